@@ -8,6 +8,7 @@ import {execFileSync} from 'node:child_process';
 import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
+import {quantityName} from '../../bench/page/web/format.mjs';
 import {rangeWith} from '../../bench/page/web/lines.mjs';
 import {launch, PATIENCE_MS, Scratch, until} from './browser.mjs';
 
@@ -69,6 +70,10 @@ try {
     assert.ok(rangeWith(0, 1, lines, true)[1] > 9);
     const [from, to] = rangeWith(3, 3, [], false);
     assert.ok(from < 3 && to > 3);
+  });
+
+  await check('quantities have their names and units', () => {
+    assert.deepEqual(['k2_Nm_per_rad', 'e_max_arcmin', 'lost_motion_arcmin', 'score'].map(quantityName), ['K2, Nm/rad', 'e_max, arcmin', 'lost motion, arcmin', 'score']);
   });
 
   const context = await browser.newContext({viewport: {width: 1280, height: 900}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands around the campaign: where its data come from, the camera's newest picture, what a predictor says.
-import {duration, number, percent, withInterval} from '/format.mjs';
+import {duration, number, percent, quantityName, withInterval} from '/format.mjs';
 
 const $ = id => document.getElementById(id);
 const SHAPES = {good: '✔', 'losing samples': '▲', silent: '✕', trouble: '✕', 'not running': '○'};
@@ -57,7 +57,7 @@ function predictedRow(body, quantity, said) {
   const half = (said.high - said.low) / 2;
   const measured = said.measured ? withInterval(said.measured.value, TO_95_PERCENT * said.measured.standard_error) : 'not measured';
   const words = said.inside === null ? '' : said.inside ? 'the measured value lies inside the interval' : 'the measured value lies outside the interval';
-  cells(row, quantity.replaceAll('_', ' '), measured, withInterval(said.value, half), `${number(said.low, 5)} to ${number(said.high, 5)}`, words);
+  cells(row, quantityName(quantity), measured, withInterval(said.value, half), `${number(said.low, 5)} to ${number(said.high, 5)}`, words);
 }
 
 function recordOf(record, coverage) {

@@ -24,6 +24,15 @@ export function withInterval(value, halfWidth) {
   return `${fixed(value, decimals)} ± ${fixed(halfWidth, decimals)}`;
 }
 
+const UNITS = {Nm_per_rad: 'Nm/rad', m_per_s2: 'm/s²', degC: '°C', percent: '%'};
+
+/// "K2, Nm/rad" of "k2_Nm_per_rad".
+export function quantityName(name) {
+  const [, what, unit] = name.match(/^(.+?)_(Nm_per_rad|m_per_s2|arcmin|arcsec|percent|degC|Nm|rad|deg|rpm|Hz|s)$/) ?? [null, name, ''];
+  const words = what.replace(/^k(\d)$/, 'K$1').replace(/^e_/, 'e\u2009').replaceAll('_', ' ').replace('\u2009', '_');
+  return unit ? `${words}, ${UNITS[unit] ?? unit}` : words;
+}
+
 export function duration(seconds) {
   if (!Number.isFinite(seconds)) return '–';
   const s = Math.max(0, Math.round(seconds));

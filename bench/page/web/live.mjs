@@ -30,7 +30,7 @@ class LiveChart {
   }
 
   #size() {
-    return {width: Math.max(140, this.#box.clientWidth), height: 130};
+    return {width: Math.max(140, this.#box.clientWidth), height: 150};
   }
 
   /// @param span  "recent", "whole" of the answer: its bins.
