@@ -15,7 +15,7 @@
 namespace strainwave::bench {
 namespace {
 
-constexpr std::chrono::seconds kPatience{10};
+constexpr std::chrono::seconds kBeginsWithin{10};
 constexpr std::chrono::milliseconds kInterval{20};
 
 }  // namespace
@@ -33,7 +33,7 @@ void ServeBeside(const CampaignFolder& folder, const PageOptions& options) {
     ToStderr("warning: the campaign runs without its page: {}\n", error.what());
     return;
   }
-  const auto until = std::chrono::steady_clock::now() + kPatience;
+  const auto until = std::chrono::steady_clock::now() + kBeginsWithin;
   while (std::chrono::steady_clock::now() < until) {
     const std::string said = LastLineOf(output);
     if (::waitpid(process, nullptr, WNOHANG) == process) {

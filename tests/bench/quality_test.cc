@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
+#include "bench/campaign/cycle_results.h"
 
 namespace strainwave::bench::quality_test {
 namespace {

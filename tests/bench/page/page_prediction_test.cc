@@ -20,8 +20,19 @@ RecordPrediction PredictionOf(std::initializer_list<double> values, double half_
 }
 
 Predictor PredictorOf(std::vector<std::string> outputs, bool classes = false) {
-  Predictor predictor;
-  predictor.outputs = std::move(outputs);
+  namespace networks = analysis::networks;
+  Predictor predictor{.recipe = {},
+                      .outputs = std::move(outputs),
+                      .fitted = {.ensemble = {.input = {},
+                                              .output = {},
+                                              .network = networks::Network({{1, 1}, {networks::Dense{1}}}),
+                                              .members = {}},
+                                 .residual = {},
+                                 .band = {},
+                                 .novelty = {},
+                                 .least = {},
+                                 .greatest = {}},
+                      .training_json = {}};
   predictor.fitted.band.coverage = 0.9;
   predictor.fitted.ensemble.softmax = classes;
   return predictor;
