@@ -152,6 +152,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunStep(const CycleStep& step, int repe
     if (complete) return std::nullopt;
   }
   if (auto end = CheckBetweenPhases()) return end;
+  if (auto end = CheckDiskInCycle()) return end;
   double credited_s = 0.0;
   int attempt = 0;
   if (cycle_ == resumed_cycle_) {
@@ -201,6 +202,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
     held_.DemandInPlace();
+    WatchDisk();
     live_.Show(now.readings);
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
@@ -238,7 +240,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     return std::nullopt;
   }
   Transition(BenchEvent::kPhaseEnded);
-  if (!complete) return EndForRequest(outcome);
+  if (!complete) return EndForRequest(outcome, phase.name);
   return std::nullopt;
 }
 
@@ -268,6 +270,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view phase) {
   const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot& now, const PhaseProgram&) {
     held_.DemandInPlace();
+    WatchDisk();
     live_.Show(now.readings);
     Show(phase, share_);
   });
@@ -278,7 +281,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view pha
   }
   PhaseOutcome outcome;
   outcome.reason = ended;
-  if (IsRequest(ended.cause)) return EndForRequest(outcome);
+  if (IsRequest(ended.cause)) return EndForRequest(outcome, phase);
   return EndForFault(outcome, phase);
 }
 

@@ -78,6 +78,10 @@ class PhaseRunner {
     suspend_.LowerTrip(trip_temperature_degC);
   }
 
+  /// From now on every phase and every wait ends as a shutdown ends it, for the campaign's disk fills. From
+  /// any thread, a heartbeat for one.
+  void EndForFullDisk() noexcept { disk_full_.store(true, std::memory_order_relaxed); }
+
   /// Of the loop's last period; not while a phase runs.
   const Readings& last_readings() const noexcept { return readings_; }
 
@@ -91,7 +95,7 @@ class PhaseRunner {
   StopReason Loop(PhaseProgram& program, const Beat& beat);
   StopReason LoopOnItsOwnThread(PhaseProgram& program, const HeartbeatFunction& heartbeat);
   StopReason OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept;
-  StopReason SoftRequest() const noexcept;  // pause or shutdown, where asked for
+  StopReason SoftRequest() const noexcept;  // pause, shutdown or a full disk, where asked for
   InterlockInputs Inputs(const PhaseProgram& program) const noexcept;
   void AddToHistory(const Readings& readings) noexcept;
   void AfterFault(PhaseProgram& program, PhaseOutcome& outcome);
@@ -106,6 +110,7 @@ class PhaseRunner {
   const std::atomic<StopRequest>& request_;
   daq::HistoryRing history_;
   Readings readings_;
+  std::atomic<bool> disk_full_{};
   std::atomic<bool> abandoned_{};  // a heartbeat has failed: the phase ends at once
   std::string realtime_trouble_;
 };
