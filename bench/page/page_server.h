@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/campaign/folder.h"
 #include "bench/serving/tcp_server.h"
@@ -14,7 +15,9 @@ namespace strainwave::bench {
 
 struct PageSettings {
   CampaignFolder folder;
-  int port{};                                       // of 127.0.0.1; 0: any free one
+  std::string address{"127.0.0.1"};  // another than of the loopback: who looks on must be logged in
+  std::vector<std::string> names{};  // of this machine, by which others reach that address
+  int port{};                        // 0: any free one
   std::optional<std::filesystem::path> users_file;  // who may do more than look on and stop; nothing: nobody
   const TlsIdentity* tls{};                         // outlives the page; nothing: not encrypted
   /// Takes what could not be kept and nobody waits for, a sentence each, from any thread.
