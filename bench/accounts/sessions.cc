@@ -10,12 +10,22 @@ bool Sessions::IsOver(const Session& session, Time now) const {
   return now - session.opened >= limits_.in_all || now - session.acted >= limits_.without_action;
 }
 
+// @param name  of whom; null: of all.
+void Sessions::EndLongestIdle(const std::string* name) {
+  auto longest = sessions_.end();
+  for (auto session = sessions_.begin(); session != sessions_.end(); ++session) {
+    if (name != nullptr && session->second.user.name != *name) continue;
+    if (longest == sessions_.end() || session->second.acted < longest->second.acted) longest = session;
+  }
+  if (longest != sessions_.end()) sessions_.erase(longest);
+}
+
 void Sessions::Open(const std::string& secret, User user, Time now) {
   std::erase_if(sessions_, [&](const auto& entry) { return IsOver(entry.second, now); });
-  if (sessions_.size() >= limits_.most) {
-    sessions_.erase(
-        std::ranges::min_element(sessions_, {}, [](const auto& entry) { return entry.second.acted; }));
-  }
+  const auto of_user = std::ranges::count_if(
+      sessions_, [&](const auto& entry) { return entry.second.user.name == user.name; });
+  if (static_cast<std::size_t>(of_user) >= limits_.most_of_one) EndLongestIdle(&user.name);
+  if (sessions_.size() >= limits_.most) EndLongestIdle(nullptr);
   sessions_.insert_or_assign(secret, Session{std::move(user), now, now});
 }
 

@@ -16,7 +16,8 @@ namespace strainwave::bench {
 struct SessionLimits {
   std::chrono::seconds without_action{std::chrono::hours(1)};  // a desk that somebody has left
   std::chrono::seconds in_all{std::chrono::hours(12)};         // a working day
-  std::size_t most{200};  // at a time; one more ends the one idle longest
+  std::size_t most{200};        // at a time; one more ends the one idle longest
+  std::size_t most_of_one{20};  // of one user; likewise, so that nobody logs others out by logging in
 };
 
 /// Who is logged in. Kept in memory alone: a program that is started again knows nobody.
@@ -45,6 +46,7 @@ class Sessions {
   };
 
   bool IsOver(const Session& session, Time now) const;
+  void EndLongestIdle(const std::string* name);
 
   SessionLimits limits_;
   std::map<std::string, Session, std::less<>> sessions_;

@@ -15,8 +15,14 @@
 #include "daq/record.h"
 
 namespace strainwave::bench {
+namespace {
 
-CampaignRunner::MaybeEnd CampaignRunner::EndForRequest(const PhaseOutcome& outcome) {
+constexpr std::chrono::seconds kDiskInterval{1};  // by the world's clock
+
+}  // namespace
+
+CampaignRunner::MaybeEnd CampaignRunner::EndForRequest(const PhaseOutcome& outcome, std::string_view phase) {
+  if (outcome.reason.cause == StopCause::kDiskFull) return EndForDisk(phase);
   checkpoint_.Sync();
   const std::string text = Describe(outcome.reason);
   Note("info", "", Code(outcome.reason.cause), text);
@@ -84,9 +90,40 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   return end;
 }
 
+std::optional<DiskRoom> CampaignRunner::RoomNow(int cycle) const {
+  return DiskRoomOf(folder_, planned_cycle_bytes_, std::max(0, cycle - 1), schedule_.cycles);
+}
+
+// With the bench safe.
+CampaignEnd CampaignRunner::EndForDisk(std::string_view phase) {
+  Transition(BenchEvent::kFault);
+  checkpoint_.Sync();
+  const DiskRoom room = RoomNow(cycle_).value_or(DiskRoom{});
+  const std::string text = fmt::format(
+      "the disk is nearly full: {} are free, and what the cycle under way has recorded may take {} once more "
+      "to be stored, beside {} for the journal (expected: make room, then go on)",
+      BytesText(room.free_bytes), BytesText(room.record_bytes), BytesText(kReserve_bytes));
+  NoteAlarm("alarm", phase, Code(StopCause::kDiskFull), text, Time_s());
+  return {CampaignEnd::Kind::kFault, {}, text, true, {}};
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::CheckDiskInCycle() {
+  const auto room = RoomNow(cycle_);
+  return room && IsTooLittleToStore(*room) ? MaybeEnd(EndForDisk("")) : std::nullopt;
+}
+
+// While something turns or waits: others write on the disk, too.
+void CampaignRunner::WatchDisk() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - disk_looked_at_ < kDiskInterval) return;
+  disk_looked_at_ = now;
+  const auto room = RoomNow(cycle_);
+  if (room && IsTooLittleToStore(*room)) runner_.EndForFullDisk();
+}
+
 // Between cycles, with torque off: a cycle that fits is begun, and no other.
 CampaignRunner::MaybeEnd CampaignRunner::CheckDisk(int cycle) {
-  const auto room = DiskRoomOf(folder_, planned_cycle_bytes_, std::max(0, cycle - 1), schedule_.cycles);
+  const auto room = RoomNow(cycle);
   if (!room) return std::nullopt;
   const std::string free = BytesText(room->free_bytes);
   if (IsTooLittle(*room)) {
@@ -94,10 +131,10 @@ CampaignRunner::MaybeEnd CampaignRunner::CheckDisk(int cycle) {
     Transition(BenchEvent::kFault);
     checkpoint_.Sync();
     const std::string text = fmt::format(
-        "the disk is nearly full: {} are free, and the next cycle may take {} beside {} for the journal "
-        "(expected: make room, then go on)",
-        free, BytesText(room->cycle_bytes), BytesText(kReserve_bytes));
-    NoteAlarm("alarm", "", "disk_full", text, Time_s());
+        "the disk is nearly full: {} are free, and the next cycle may take {} until it is stored, beside {} "
+        "for the journal (expected: make room, then go on)",
+        free, BytesText(room->cycle_bytes + room->record_bytes), BytesText(kReserve_bytes));
+    NoteAlarm("alarm", "", Code(StopCause::kDiskFull), text, Time_s());
     return CampaignEnd{CampaignEnd::Kind::kFault, {}, text, true, {}};
   }
   if (IsLittle(*room) && !disk_fills_) {

@@ -155,6 +155,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunStep(const CycleStep& step, int repe
     if (complete) return std::nullopt;
   }
   if (auto end = CheckBetweenPhases()) return end;
+  if (auto end = CheckDiskInCycle()) return end;
   double credited_s = 0.0;
   int attempt = 0;
   if (cycle_ == resumed_cycle_) {
@@ -204,6 +205,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
     held_.DemandInPlace();
+    WatchDisk();
     ShowLive(now.readings);
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
@@ -242,7 +244,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     return std::nullopt;
   }
   Transition(BenchEvent::kPhaseEnded);
-  if (!complete) return EndForRequest(outcome);
+  if (!complete) return EndForRequest(outcome, phase.name);
   return std::nullopt;
 }
 
@@ -272,6 +274,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view phase) {
   const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot& now, const PhaseProgram&) {
     held_.DemandInPlace();
+    WatchDisk();
     ShowLive(now.readings);
     Show(phase, share_);
   });
@@ -283,7 +286,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view pha
   }
   PhaseOutcome outcome;
   outcome.reason = ended;
-  if (IsRequest(ended.cause)) return EndForRequest(outcome);
+  if (IsRequest(ended.cause)) return EndForRequest(outcome, phase);
   return EndForFault(outcome, phase);
 }
 

@@ -14,6 +14,7 @@
 #include "bench/campaign/cycle_records.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/cycle_steps.h"
+#include "bench/campaign/disk_room.h"
 #include "bench/campaign/folder.h"
 #include "bench/campaign/held_folder.h"
 #include "bench/campaign/journal.h"
@@ -60,12 +61,16 @@ class CampaignRunner {
   MaybeEnd RunUncredited(PhaseProgram& program, std::string_view phase, BenchEvent begin);
   MaybeEnd CheckLoad();
   MaybeEnd CheckDisk(int cycle);
+  MaybeEnd CheckDiskInCycle();
+  void WatchDisk();
+  std::optional<DiskRoom> RoomNow(int cycle) const;
+  CampaignEnd EndForDisk(std::string_view phase);
   MaybeEnd WarmUp(const Pause& pause);
   MaybeEnd RunCycle(int cycle);
   MaybeEnd RunStep(const CycleStep& step, int repeat);
   MaybeEnd RunAttempt(const CycleStep& step, int repeat, int attempt, double credited_before_s, bool& again);
   MaybeEnd StoreCycle(const std::vector<CycleStep>& steps);
-  MaybeEnd EndForRequest(const PhaseOutcome& outcome);
+  MaybeEnd EndForRequest(const PhaseOutcome& outcome, std::string_view phase = "");
   MaybeEnd EndForFault(const PhaseOutcome& outcome, std::string_view phase);
   std::string InWords(const StopReason& reason) const;  // with the sensor that showed it
   MaybeEnd WaitSuspended(std::string_view phase);
@@ -123,6 +128,7 @@ class CampaignRunner {
   double one_cycle_s_{};               // planned
   double planned_cycle_bytes_{};
   bool disk_fills_{};  // an alarm says so
+  std::chrono::steady_clock::time_point disk_looked_at_{};
   int cycle_{};
   int resumed_cycle_{-1};
   double share_{};                                // done, as last shown

@@ -56,6 +56,7 @@ std::optional<DiskRoom> DiskRoomOf(const CampaignFolder& folder, double planned_
   DiskRoom room;
   room.free_bytes = static_cast<double>(space.available);
   room.cycle_bytes = by_plan ? std::max(planned_cycle_bytes, stored_bytes) : stored_bytes;
+  room.record_bytes = stored_bytes == 0.0 ? planned_cycle_bytes : stored_bytes;
   room.needed_bytes = room.cycle_bytes * std::max(0, cycles - complete_cycles);
   return room;
 }

@@ -13,6 +13,7 @@ namespace strainwave::bench {
 struct DiskRoom {
   double free_bytes{};
   double cycle_bytes{};   // that a cycle may take
+  double record_bytes{};  // that the file of its records may take
   double needed_bytes{};  // by the cycles to come
 
   /// Until it is full but for the reserve, at so many seconds a cycle.
@@ -25,10 +26,15 @@ inline constexpr double kReserve_bytes = 8.0 * 1024 * 1024;
 
 /// Whether the campaign will not fit.
 constexpr bool IsLittle(const DiskRoom& room) { return room.free_bytes < room.needed_bytes; }
+/// What a cycle needs to be stored: its file is written while the records of its phases are still there. The
+/// same, when a phase is ended before its time, holds what it has recorded.
+constexpr double Storing_bytes(const DiskRoom& room) { return room.record_bytes + kReserve_bytes; }
 /// Whether no further cycle should begin.
 constexpr bool IsTooLittle(const DiskRoom& room) {
-  return room.free_bytes < room.cycle_bytes + kReserve_bytes;
+  return room.free_bytes < room.cycle_bytes + Storing_bytes(room);
 }
+/// Whether the cycle under way cannot be stored, and must end while that can still be written down.
+constexpr bool IsTooLittleToStore(const DiskRoom& room) { return room.free_bytes < Storing_bytes(room); }
 
 /// "7.0 MB".
 std::string BytesText(double bytes);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/commands/page_beside.h"
 
-#include <sys/wait.h>
-
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
-#include <thread>
 #include <vector>
 
 #include "bench/commands/output.h"
@@ -16,15 +15,13 @@ namespace strainwave::bench {
 namespace {
 
 constexpr std::chrono::seconds kBeginsWithin{10};
-constexpr std::chrono::milliseconds kInterval{20};
 
 }  // namespace
 
 void ServeBeside(const CampaignFolder& folder, const PageOptions& options) {
-  if (!options.serves) return;
   const std::filesystem::path output = folder.root / "page.txt";
-  std::vector<std::string> words{"serve", folder.root.string(), "--port", std::to_string(options.port)};
-  if (!options.users.empty()) words.insert(words.end(), {"--users", options.users});
+  std::vector<std::string> words{"serve", folder.root.string()};
+  std::ranges::copy(WordsOf(options), std::back_inserter(words));
   pid_t process{};
   try {
     std::filesystem::remove(output);  // of the page before
@@ -33,21 +30,25 @@ void ServeBeside(const CampaignFolder& folder, const PageOptions& options) {
     ToStderr("warning: the campaign runs without its page: {}\n", error.what());
     return;
   }
-  const auto until = std::chrono::steady_clock::now() + kBeginsWithin;
-  while (std::chrono::steady_clock::now() < until) {
+  const auto address = [&] {
     const std::string said = LastLineOf(output);
-    if (::waitpid(process, nullptr, WNOHANG) == process) {
-      ToStderr("warning: the campaign runs without its page: {}\n", said);
+    const std::size_t mark = said.find("://");
+    if (mark == said.npos) return std::string();
+    const std::size_t at = said.rfind(' ', mark) + 1;
+    return said.substr(at, said.find(' ', at) - at);
+  };
+  switch (Await(process, output, kBeginsWithin, [&] { return !address().empty(); })) {
+    case Awaited::kDone:
+      ToStderr("page: {}, in process {}, which stays when the run has ended (kill {} ends it)\n", address(),
+               process, process);
       return;
-    }
-    if (const std::size_t at = said.find("http://"); at != said.npos) {
-      ToStderr("page: {}, in process {}, which stays when the run has ended (kill {} ends it)\n",
-               said.substr(at, said.find(' ', at) - at), process, process);
+    case Awaited::kEnded:
+      ToStderr("warning: the campaign runs without its page: {}\n", LastLineOf(output));
       return;
-    }
-    std::this_thread::sleep_for(kInterval);
+    case Awaited::kNothing:
+      ToStderr("warning: the page has not begun yet; what it says is in {}\n", output.string());
+      return;
   }
-  ToStderr("warning: the page has not begun yet; what it says is in {}\n", output.string());
 }
 
 }  // namespace strainwave::bench

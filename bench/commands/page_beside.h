@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include "bench/campaign/folder.h"
+#include "bench/commands/page_options.h"
 
 namespace strainwave::bench {
-
-struct PageOptions {
-  bool serves{};
-  int port{8080};
-  std::string users;  // file; empty: none
-};
 
 /// Starts `strainwave serve` as a process of its own, which stays when the run has ended, and says where the
 /// page is; what that process says is in `DIR/page.txt`. A campaign without its page is a warning and no

@@ -42,6 +42,7 @@ struct RunOptions {
   bool accept_pause{};
   bool accept_expired{};
   bool json{};
+  bool serves{};
   PageOptions page;
 };
 
@@ -110,6 +111,7 @@ int Run(const RunOptions& options) {
   ListenForRequests();
   const LiveOutput output([] { return Requested() != StopRequest::kNone; });
   const double pace = ParsePace(options.pace);
+  if (options.serves) CheckPageOptions(options.page);
   const CampaignFolder folder{options.out};
   const std::optional<std::filesystem::path> bench_file =
       options.bench.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.bench);
@@ -148,7 +150,7 @@ int Run(const RunOptions& options) {
     }
     inputs.bench = BenchToResume(folder, journal);
   }
-  ServeBeside(folder, options.page);
+  if (options.serves) ServeBeside(folder, options.page);
   WarnOfLittleRoom(folder, inputs.schedule, std::max(0, journal.LastCompleteCycle()));
   CampaignEnd end;
   {
@@ -231,14 +233,9 @@ void AddRun(CLI::App& app, Action& action) {
                       "of a simulated bench: file for the truth that only it knows (CSV)");
   command->add_flag("--json", options->json, "results as JSON on standard output");
   CLI::Option* const serve = command->add_flag(
-      "--serve", options->page.serves,
+      "--serve", options->serves,
       "the live page beside it, as strainwave serve DIR: a process of its own, which stays");
-  command->add_option("--port", options->page.port, "of the page, at 127.0.0.1; 0: any free one")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 65535))
-      ->needs(serve);
-  command->add_option("--users", options->page.users, "who may act on the page: a file of strainwave users")
-      ->needs(serve);
+  AddPageOptions(*command, options->page, serve);
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }
 

@@ -16,29 +16,35 @@
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/page_options.h"
 #include "bench/commands/person.h"
 #include "bench/errors/bench_error.h"
+#include "bench/page/page_gate.h"
 #include "bench/page/page_server.h"
+#include "bench/serving/addresses.h"
 
 namespace strainwave::bench {
 namespace {
 
 struct ServeOptions {
   std::string folder;
-  int port{8080};
-  std::string users;
-  std::vector<std::string> tls;  // certificate and key
+  PageOptions page;
   std::string predictor;
   std::string baseline;
 };
 
 std::unique_ptr<PageServer> Serve(const ServeOptions& options, const TlsIdentity* tls) {
-  const int port = options.port;
-  PageSettings settings{
-      .folder = {options.folder}, .port = port, .users_file = {}, .tls = tls, .complain = {}};
+  const int port = options.page.port;
+  PageSettings settings{.folder = {options.folder},
+                        .address = options.page.listen,
+                        .names = options.page.hosts,
+                        .port = port,
+                        .users_file = {},
+                        .tls = tls,
+                        .complain = {}};
   settings.predictor = options.predictor;
   settings.baseline = options.baseline;
-  if (!options.users.empty()) settings.users_file = options.users;
+  if (!options.page.users.empty()) settings.users_file = options.page.users;
   settings.complain = [](const std::string& sentence) { ToStderr("warning: {}\n", sentence); };
   try {
     return std::make_unique<PageServer>(settings);
@@ -48,6 +54,12 @@ std::unique_ptr<PageServer> Serve(const ServeOptions& options, const TlsIdentity
                        fmt::format("error: port {} is taken by another program, perhaps another page "
                                    "(expected a free one: --port {}, or --port 0 for any)",
                                    port, port < 65535 ? port + 1 : 8080));
+    }
+    if (error.code() == std::errc::address_not_available) {
+      throw BenchError(ExitCode::kMachineFailed,
+                       fmt::format("error: {} is no address of this machine (expected one that ip address "
+                                   "lists, or 0.0.0.0 for all of them)",
+                                   options.page.listen));
     }
     if (error.code() == std::errc::permission_denied && port > 0 && port < 1024) {
       throw BenchError(ExitCode::kMachineFailed,
@@ -66,15 +78,17 @@ int Run(const ServeOptions& options) {
                                  "strainwave run SCHEDULE --out {} makes)",
                                  options.folder, options.folder));
   }
+  CheckPageOptions(options.page);
   std::optional<TlsIdentity> tls;
   try {
-    if (!options.tls.empty()) tls.emplace(options.tls[0], options.tls[1]);
+    if (!options.page.tls.empty()) tls.emplace(options.page.tls[0], options.page.tls[1]);
   } catch (const std::runtime_error& error) {
     throw BenchError(ExitCode::kWrongInput, error.what());
   }
   const auto server = Serve(options, tls ? &*tls : nullptr);
-  ToStdout("{}: {}://127.0.0.1:{}/   (Ctrl-C ends the page, not the campaign)\n", options.folder,
-           tls ? "https" : "http", server->port());
+  ToStdout("{}: {}   ({}Ctrl-C ends the page, not the campaign)\n", options.folder,
+           PageUrl(tls.has_value(), options.page.listen, options.page.hosts, server->port()),
+           IsEveryAddress(options.page.listen) ? "and at every address of this machine; " : "");
   while (Requested() == StopRequest::kNone) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   return static_cast<int>(ExitCode::kDone);
 }
@@ -84,23 +98,16 @@ int Run(const ServeOptions& options) {
 void AddServe(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "serve",
-      "The live page of a campaign, running or not, for browsers on this machine: progress, readings, "
-      "trends, "
-      "and the quick stop.\n"
+      "The live page of a campaign, running or not, for browsers: progress, readings, trends, and the quick "
+      "stop.\n"
       "It is a program of its own: whatever becomes of it, the campaign goes on. Everybody who sees the page "
       "may stop the bench; all else needs a login, by a file of users. "
-      "Over a network: ssh -L 8080:127.0.0.1:8080 HOST.\n"
+      "It is served to this machine alone; from another one: ssh -L 8080:127.0.0.1:8080 HOST, or --listen "
+      "with --users and --tls, and then who looks on logs in.\n"
       "Example: strainwave serve campaigns/first --port 8080");
   auto options = std::make_shared<ServeOptions>();
   command->add_option("DIR", options->folder, "the campaign's folder")->required();
-  command->add_option("--port", options->port, "of 127.0.0.1; 0: any free one")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 65535));
-  command->add_option("--users", options->users,
-                      "who may do more than look on and stop: a file that strainwave users keeps");
-  command->add_option("--tls", options->tls, "certificate and key (PEM): the page by https")
-      ->expected(2)
-      ->type_name("CERT KEY");
+  AddPageOptions(*command, options->page, nullptr);
   CLI::Option* const predictor = command->add_option(
       "--predictor", options->predictor,
       "what it says of the newest cycle beside what was measured: a folder that train has written");

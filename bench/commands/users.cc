@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <termios.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,6 +11,7 @@
 #include "bench/accounts/password_hash.h"
 #include "bench/accounts/users_file.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/hidden_line.h"
 #include "bench/commands/output.h"
 #include "bench/errors/bench_error.h"
 
@@ -30,39 +27,14 @@ struct UsersOptions {
   UserRole role{UserRole::kViewer};
 };
 
-// What is typed at a terminal is not shown there.
-class Unseen {
- public:
-  Unseen() : is_terminal_(::tcgetattr(STDIN_FILENO, &before_) == 0) {
-    termios hidden = before_;
-    hidden.c_lflag &= ~static_cast<tcflag_t>(ECHO);
-    if (is_terminal_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &hidden);
-  }
-  Unseen(const Unseen&) = delete;
-  Unseen& operator=(const Unseen&) = delete;
-  ~Unseen() {
-    if (is_terminal_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
-  }
-
-  bool is_terminal() const { return is_terminal_; }
-
- private:
-  termios before_{};
-  bool is_terminal_;
-};
-
 std::string ReadPassword(const std::string& name) {
-  const Unseen unseen;
   const auto ask = [&](const char* what) {
-    if (unseen.is_terminal()) ToStderr("{} of {}: ", what, name);
-    std::string line;
-    const bool is_there = static_cast<bool>(std::getline(std::cin, line));
-    if (unseen.is_terminal()) ToStderr("\n");
-    if (!is_there) {
+    auto line = ReadHiddenLine(fmt::format("{} of {}: ", what, name));
+    if (!line) {
       throw BenchError(ExitCode::kWrongInput,
                        "error: there is no password on standard input (expected one line of it)");
     }
-    return line;
+    return *line;
   };
   const std::string password = ask("password");
   if (password.size() < kShortestPassword) {
@@ -70,7 +42,7 @@ std::string ReadPassword(const std::string& name) {
                      fmt::format("error: the password has {} characters (expected at least {})",
                                  password.size(), kShortestPassword));
   }
-  if (unseen.is_terminal() && ask("again, the password") != password) {
+  if (IsAtTerminal() && ask("again, the password") != password) {
     throw BenchError(ExitCode::kWrongInput, "error: the two passwords differ (expected the same twice)");
   }
   return password;

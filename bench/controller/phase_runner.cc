@@ -91,7 +91,11 @@ InterlockInputs PhaseRunner::Inputs(const PhaseProgram& program) const noexcept 
 }
 
 StopReason PhaseRunner::SoftRequest() const noexcept {
-  const StopCause cause = CauseOf(request_.load(std::memory_order_relaxed));
+  StopCause cause = CauseOf(request_.load(std::memory_order_relaxed));
+  // A pause may wait for a measurement, a disk does not.
+  if (disk_full_.load(std::memory_order_relaxed) && cause != StopCause::kShutdownRequested) {
+    cause = StopCause::kDiskFull;
+  }
   // A quick stop is never soft; it has been looked at with the limits.
   if (cause == StopCause::kNone || cause == StopCause::kQuickStopRequested) return {};
   return {cause, 0.0, 0.0, readings_.time};
@@ -228,7 +232,8 @@ StopReason PhaseRunner::Loop(PhaseProgram& program, const Beat& beat) {
     if (!winding_down) {
       winding_down = SoftRequest();
       const bool by_itself = winding_down && program.WindDown();
-      if (!by_itself && winding_down.cause == StopCause::kShutdownRequested) return winding_down;
+      const bool at_once = winding_down && winding_down.cause != StopCause::kPauseRequested;
+      if (!by_itself && at_once) return winding_down;
       // A pause waits for the end of a phase that cannot be cut.
       if (!by_itself) winding_down = {};
     }

@@ -80,6 +80,10 @@ class PhaseRunner {
     suspend_.LowerTrip(trip_temperature_degC);
   }
 
+  /// From now on every phase and every wait ends as a shutdown ends it, for the campaign's disk fills. From
+  /// any thread, a heartbeat for one.
+  void EndForFullDisk() noexcept { disk_full_.store(true, std::memory_order_relaxed); }
+
   /// Of the loop's last period; not while a phase runs.
   const Readings& last_readings() const noexcept { return readings_; }
 
@@ -97,7 +101,7 @@ class PhaseRunner {
   StopReason Loop(PhaseProgram& program, const Beat& beat);
   StopReason LoopOnItsOwnThread(PhaseProgram& program, const HeartbeatFunction& heartbeat);
   StopReason OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept;
-  StopReason SoftRequest() const noexcept;  // pause or shutdown, where asked for
+  StopReason SoftRequest() const noexcept;  // pause, shutdown or a full disk, where asked for
   InterlockInputs Inputs(const PhaseProgram& program) const noexcept;
   void AddToHistory(const Readings& readings) noexcept;
   void HandOverExtremes() noexcept;
@@ -115,7 +119,8 @@ class PhaseRunner {
   Readings readings_;
   LiveExtremes extremes_;                                 // since they were handed over
   daq::acquisition::SpscRing<LiveExtremes> handed_over_;  // by the loop, to whoever runs phases
-  std::atomic<bool> abandoned_{};                         // a heartbeat has failed: the phase ends at once
+  std::atomic<bool> disk_full_{};
+  std::atomic<bool> abandoned_{};  // a heartbeat has failed: the phase ends at once
   std::string realtime_trouble_;
 };
 

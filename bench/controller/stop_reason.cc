@@ -116,6 +116,8 @@ std::string_view Code(StopCause cause) {
       return "temperature_suspend";
     case StopCause::kSensorSuspend:
       return "sensor_suspend";
+    case StopCause::kDiskFull:
+      return "disk_full";
     case StopCause::kPauseRequested:
       return "pause";
     case StopCause::kQuickStopRequested:
@@ -236,6 +238,8 @@ std::string Describe(const StopReason& reason) {
     case StopCause::kSensorStayedBad:
       return fmt::format("the {} gave no good value again in {:.3g} h (suspend.give_up)", NameOf(value),
                          limit / kSecondsPerHour);
+    case StopCause::kDiskFull:
+      return "the disk is nearly full";
     case StopCause::kPauseRequested:
       return "paused on request";
     case StopCause::kQuickStopRequested:
@@ -283,7 +287,8 @@ bool IsSuspend(StopCause cause) {
 
 bool IsRequest(StopCause cause) {
   return cause == StopCause::kPauseRequested || cause == StopCause::kQuickStopRequested ||
-         cause == StopCause::kQuickStopKey || cause == StopCause::kShutdownRequested;
+         cause == StopCause::kQuickStopKey || cause == StopCause::kShutdownRequested ||
+         cause == StopCause::kDiskFull;
 }
 
 bool IsOfADevice(StopCause cause) {

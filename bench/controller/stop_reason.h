@@ -43,6 +43,8 @@ enum class StopCause {
   // Suspension: the phase goes on or starts again when the condition has passed.
   kTemperatureSuspend,
   kSensorSuspend,
+  // The campaign asked for it, whose disk fills.
+  kDiskFull,
   // A person asked for it.
   kPauseRequested,
   kQuickStopRequested,
@@ -78,6 +80,7 @@ std::optional<Channel> ChannelOf(const StopReason& reason);
 
 bool IsFault(StopCause cause);
 bool IsSuspend(StopCause cause);
+/// Asked for, by a person or the campaign: nothing is wrong with the bench.
 bool IsRequest(StopCause cause);
 /// A fault of a drive or a sensor, not of what it drives or measures.
 bool IsOfADevice(StopCause cause);

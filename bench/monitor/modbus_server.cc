@@ -32,7 +32,7 @@ std::optional<std::size_t> ModbusProtocol::LengthOf(std::string_view received) {
   return length <= received.size() ? std::optional(length) : std::nullopt;
 }
 
-RequestProtocol::Reply ModbusProtocol::Answer(std::string_view request, ClientId) {
+RequestProtocol::Reply ModbusProtocol::Answer(std::string_view request, const Caller&) {
   Mbap mbap = *TakeMbap(Bytes(request));
   // Where a request ends that is not Modbus, and another begins, cannot be known.
   if (!IsModbus(mbap)) return {.bytes = {}, .closes = true};

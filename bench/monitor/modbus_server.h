@@ -12,7 +12,7 @@ class ModbusProtocol : public RequestProtocol {
  public:
   explicit ModbusProtocol(const Board& board) : board_(board) {}
   std::optional<std::size_t> LengthOf(std::string_view received) override;
-  Reply Answer(std::string_view request, ClientId client) override;
+  Reply Answer(std::string_view request, const Caller& caller) override;
 
  private:
   const Board& board_;

@@ -27,7 +27,7 @@ class PrometheusServer::Pages : public httplib::Server, public RequestProtocol {
     return end == std::string_view::npos ? std::nullopt : std::optional(end + kEnd.size());
   }
 
-  Reply Answer(std::string_view request, ClientId) override {
+  Reply Answer(std::string_view request, const Caller&) override {
     HttpExchange exchange(request);
     bool closed = false;
     try {

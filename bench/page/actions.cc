@@ -143,6 +143,13 @@ std::string BoundTo(const CampaignSnapshot& snapshot, const Actor& actor) {
 
 }  // namespace
 
+nlohmann::json MustLogIn() {
+  return NotDone(401, "login",
+                 "from other machines the page is for who is logged in, and nobody is, or the login is over "
+                 "(expected: log in)")
+      .body;
+}
+
 nlohmann::json UserJson(const User& user) { return {{"name", user.name}, {"role", Name(user.role)}}; }
 
 std::string TokenFor(const CampaignSnapshot& snapshot, const Actor& actor, Tokens& tokens) {

@@ -31,6 +31,9 @@ struct Actor {
   bool knows_users{true};  // whether the page has users at all
 };
 
+/// To who may not look without a login: error, why.
+nlohmann::json MustLogIn();
+
 /// name, role
 nlohmann::json UserJson(const User& user);
 

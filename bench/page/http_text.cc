@@ -45,6 +45,8 @@ std::string_view Reason(int status) {
       return "Length Required";
     case 413:
       return "Payload Too Large";
+    case 415:
+      return "Unsupported Media Type";
     case 429:
       return "Too Many Requests";
     case 431:
@@ -120,14 +122,6 @@ std::string JsonText(const nlohmann::json& document) {
 }
 
 std::string ErrorJson(std::string_view sentence) { return JsonText({{"error", sentence}}) + "\n"; }
-
-bool IsLoopbackHost(std::string_view host) {
-  constexpr std::string_view kNames[] = {"127.0.0.1", "localhost", "[::1]"};
-  return std::ranges::any_of(kNames, [&](std::string_view name) {
-    return IsName(host.substr(0, name.size()), name) &&
-           (host.size() == name.size() || host[name.size()] == ':');
-  });
-}
 
 bool IsOwnOrigin(std::string_view origin, std::string_view scheme, std::string_view host) {
   return origin.empty() || (origin.starts_with(scheme) && origin.substr(scheme.size()) == host);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 namespace strainwave::bench {
 
 using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
@@ -39,10 +41,6 @@ std::string JsonText(const nlohmann::json& document);
 
 /// {"error": sentence}
 std::string ErrorJson(std::string_view sentence);
-
-/// Whether the Host header names this machine itself: a page of elsewhere whose name was made to lead here
-/// has another.
-bool IsLoopbackHost(std::string_view host);
 
 /// Whether an Origin header, where there is one, is that of the page itself. @param scheme  "https://".
 bool IsOwnOrigin(std::string_view origin, std::string_view scheme, std::string_view host);

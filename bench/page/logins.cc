@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/page/logins.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <exception>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "bench/accounts/password_hash.h"
 #include "bench/accounts/random_bytes.h"
+#include "bench/serving/addresses.h"
 
 namespace strainwave::bench {
 namespace {
@@ -21,6 +23,14 @@ constexpr std::size_t kSecret_bytes = 32;
 
 // For a name that nobody has as for a password that is another: which of the two is nobody's business.
 LoginAnswer NoSuchUser() { return {NotDone(401, "password", "no user of that name has that password")}; }
+
+std::int64_t Nanoseconds(const timespec& time) { return time.tv_sec * 1'000'000'000 + time.tv_nsec; }
+
+std::optional<FileState> StateOf(const std::filesystem::path& file) {
+  struct stat found {};
+  if (::stat(file.c_str(), &found) != 0) return std::nullopt;
+  return FileState{found.st_ino, found.st_size, Nanoseconds(found.st_mtim), Nanoseconds(found.st_ctim)};
+}
 
 }  // namespace
 
@@ -39,18 +49,16 @@ Logins::Logins(std::optional<std::filesystem::path> users_file, std::string cook
       is_encrypted_(is_encrypted),
       nobody_(users_file_ ? HashPassword(HexOf(RandomBytes(kSecret_bytes))) : "") {
   if (!users_file_) return;
+  users_file_state_ = StateOf(*users_file_).value_or(FileState{});
   users_ = ReadUsersFile(*users_file_);
-  std::error_code gone;
-  users_written_ = std::filesystem::last_write_time(*users_file_, gone);
 }
 
 // A file that cannot be used any more has no users: nobody acts by what it was.
 void Logins::ReadAgain() {
   if (!users_file_) return;
-  std::error_code gone;
-  const auto written = std::filesystem::last_write_time(*users_file_, gone);
-  if (!gone && written == users_written_) return;
-  users_written_ = written;
+  const auto state = StateOf(*users_file_);
+  if (state && *state == users_file_state_) return;
+  users_file_state_ = state.value_or(FileState{});
   try {
     users_ = ReadUsersFile(*users_file_);
   } catch (const std::exception&) {
@@ -93,7 +101,14 @@ Actor Logins::Acting(std::string_view cookies, Time now) {
   return actor;
 }
 
-std::optional<LoginAnswer> Logins::LogIn(std::string_view text, Time now, Answered answered) {
+bool Logins::Holds(std::string_view session, Time now) {
+  const std::lock_guard lock(mutex_);
+  ReadAgain();
+  return sessions_.Find(session, now).has_value();
+}
+
+std::optional<LoginAnswer> Logins::LogIn(std::string_view text, std::string_view address, Time now,
+                                         Answered answered) {
   if (!users_file_) {
     return LoginAnswer{
         NotDone(404, "no_users",
@@ -110,25 +125,21 @@ std::optional<LoginAnswer> Logins::LogIn(std::string_view text, Time now, Answer
   if (!IsUserName(name) || password.size() > kLongestPassword_bytes) {
     return NoSuchUser();
   }
-  {
-    const std::lock_guard lock(mutex_);
-    const auto wait = throttle_.Wait(name, now);
-    if (wait.count() > 0) {
-      const auto seconds = std::chrono::ceil<std::chrono::seconds>(wait);
-      LoginAnswer answer{NotDone(
-          429, "wait",
-          fmt::format("after a wrong password the next try waits: again in {} s (quick stop needs no login)",
-                      seconds.count()))};
-      answer.retry_after = seconds;
-      return answer;
-    }
-    throttle_.Failed(name, now);  // until it is known better: no second try while this one is looked at
+  const std::string network = NetworkOf(address);
+  const std::lock_guard lock(mutex_);
+  if (const auto wait = throttle_.Wait(name, network, now); wait.count() > 0) {
+    const auto seconds = std::chrono::ceil<std::chrono::seconds>(wait);
+    LoginAnswer answer{
+        NotDone(429, "wait",
+                fmt::format("after a wrong password the next try waits: again in {} s", seconds.count()))};
+    answer.retry_after = seconds;
+    return answer;
   }
-  const bool taken = worker_.Post(
-      [this, name = std::move(name), password = std::move(password), answered = std::move(answered)] {
+  const bool taken =
+      worker_.Post([this, name, network, password = std::move(password), answered = std::move(answered)] {
         LoginAnswer answer;
         try {
-          answer = Verify(name, password);
+          answer = Verify(name, password, network);
         } catch (const std::exception& error) {
           answer = {NotDone(503, "login", fmt::format("nobody can log in now: {}", error.what()))};
         }
@@ -136,10 +147,12 @@ std::optional<LoginAnswer> Logins::LogIn(std::string_view text, Time now, Answer
       });
   if (!taken)
     return LoginAnswer{NotDone(503, "busy", "too many log in at once (expected: again in a moment)")};
+  // Until it is known better: no second try while this one is looked at. Its thread waits for the lock.
+  throttle_.Failed(name, network, now);
   return std::nullopt;
 }
 
-LoginAnswer Logins::Verify(const std::string& name, const std::string& password) {
+LoginAnswer Logins::Verify(const std::string& name, const std::string& password, const std::string& network) {
   std::optional<User> user;
   {
     const std::lock_guard lock(mutex_);
@@ -152,8 +165,9 @@ LoginAnswer Logins::Verify(const std::string& name, const std::string& password)
   }
   const std::string secret = HexOf(RandomBytes(kSecret_bytes));
   const std::lock_guard lock(mutex_);
-  throttle_.Succeeded(name);
-  sessions_.Open(secret, *user, std::chrono::steady_clock::now());
+  const Time now = std::chrono::steady_clock::now();
+  throttle_.Succeeded(name, network, now);
+  sessions_.Open(secret, *user, now);
   return {{200,
            {{"user", UserJson(*user)},
             {"holds_s", sessions_.limits().in_all.count()},

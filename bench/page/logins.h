@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <mutex>
@@ -30,6 +31,16 @@ struct LoginAnswer : ActionAnswer {
 /// Set-Cookie and Retry-After, where the answer has them.
 HttpHeaders HeadersOf(const LoginAnswer& answer);
 
+/// By which a file is known to be another: the time of its writing alone repeats where a clock is set back.
+struct FileState {
+  std::uint64_t inode{};
+  std::int64_t bytes{};
+  std::int64_t written_ns{};
+  std::int64_t changed_ns{};
+
+  bool operator==(const FileState&) const = default;
+};
+
 /// Who is who on the page. The file of users is read again whenever it has changed: who is taken out of it,
 /// or gets another password, is logged out by that.
 class Logins {
@@ -46,18 +57,22 @@ class Logins {
   Actor ActorOf(std::string_view cookies, Time now);
   /// As ActorOf, and the session is used.
   Actor Acting(std::string_view cookies, Time now);
+  /// Whether the session of an Actor still holds.
+  bool Holds(std::string_view session, Time now);
 
   using Answered = std::function<void(LoginAnswer)>;
-  /// {"name", "password"}. @param answered  is called from another thread, later, where the password is
-  /// looked at at all. @return what is said at once; nothing: `answered` will be called.
-  std::optional<LoginAnswer> LogIn(std::string_view request, Time now, Answered answered);
+  /// {"name", "password"}. @param address  from which it comes; @param answered  is called from another
+  /// thread, later, where the password is looked at at all. @return what is said at once; nothing: `answered`
+  /// will be called.
+  std::optional<LoginAnswer> LogIn(std::string_view request, std::string_view address, Time now,
+                                   Answered answered);
   LoginAnswer LogOut(std::string_view cookies);
 
  private:
   std::string SecretIn(std::string_view cookies) const;
   std::string CookieOf(const std::string& secret, std::chrono::seconds holds) const;
   void ReadAgain();
-  LoginAnswer Verify(const std::string& name, const std::string& password);
+  LoginAnswer Verify(const std::string& name, const std::string& password, const std::string& network);
 
   static constexpr std::size_t kMostWaiting = 8;
 
@@ -67,7 +82,7 @@ class Logins {
   const std::string nobody_;  // a hash that no password fits: a name that nobody has takes as long as any
   std::mutex mutex_;          // of all below
   std::vector<User> users_;
-  std::filesystem::file_time_type users_written_{};
+  FileState users_file_state_{};  // when they were read
   Sessions sessions_;
   LoginThrottle throttle_;
   Worker worker_{kMostWaiting, Worker::AtEnd::kDrop};  // its thread uses the above, and ends before

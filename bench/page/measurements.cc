@@ -63,8 +63,7 @@ json SpectrumJson(const std::vector<NamedRecord>& records) {
     json of_record = json::object();
     for (const daq::Column& column : named.record.columns) {
       if (!std::string_view(column.name).ends_with(kAcceleration)) continue;
-      auto spectrum =
-          analysis::AmplitudeSpectrumOf(named.record.CopyAsDoubles(column.name), *rate_Hz);
+      auto spectrum = analysis::AmplitudeSpectrumOf(named.record.CopyAsDoubles(column.name), *rate_Hz);
       of_record[column.name] = CurveJson({std::move(spectrum.frequency_Hz), std::move(spectrum.amplitude)},
                                          "frequency_Hz", "amplitude_m_per_s2");
     }

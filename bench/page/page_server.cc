@@ -2,7 +2,7 @@
 #include "bench/page/page_server.h"
 
 #include <exception>
-#include <map>
+#include <iterator>
 #include <mutex>
 #include <vector>
 
@@ -14,10 +14,12 @@
 #include "bench/page/event_stream.h"
 #include "bench/page/http_text.h"
 #include "bench/page/logins.h"
+#include "bench/page/page_gate.h"
 #include "bench/page/page_questions.h"
 #include "bench/page/page_state.h"
 #include "bench/page/static_files.h"
 #include "bench/page/time_zone.h"
+#include "bench/page/viewers.h"
 #include "bench/serving/http_exchange.h"
 #include "bench/utc.h"
 
@@ -31,9 +33,6 @@ constexpr std::size_t kMostConnections = 300;
 constexpr std::int64_t kIdleAfter_ms = 10'000;
 constexpr std::chrono::seconds kHeartbeat{1};
 constexpr const char* kJson = "application/json";
-constexpr const char* kActionsPath = "/api/v1/actions";
-constexpr const char* kLoginPath = "/api/v1/login";
-constexpr const char* kLogoutPath = "/api/v1/logout";
 
 // A viewer on a slow network has time for a frame; one that takes none is closed, and comes back by itself.
 constexpr ServerLimits kLimits{.longest_request_bytes = kLongestHead_bytes + kLongestBody_bytes,
@@ -50,6 +49,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   explicit Pages(const PageSettings& settings)
       : folder_(settings.folder),
         scheme_(settings.tls == nullptr ? "http://" : "https://"),
+        gate_(settings.address, settings.names),
         watch_(folder_),
         logins_(settings.users_file, fmt::format("strainwave_{:.16}", watch_.Snapshot().run),
                 settings.tls != nullptr),
@@ -76,6 +76,9 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     watch_.Begin([this] { Wake(); });
   }
 
+  // Here all come from one machine; from others, one leaves room for the rest.
+  std::size_t MostOfOneNetwork() const { return gate_.is_open() ? kMostConnections : kMostConnections / 3; }
+
   // From now on nobody wakes the server.
   void End() {
     const std::lock_guard lock(mutex_);
@@ -91,7 +94,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     return length <= received.size() ? std::optional(length) : std::nullopt;
   }
 
-  Reply Answer(std::string_view request, ClientId client) override {
+  Reply Answer(std::string_view request, const Caller& caller) override {
     const auto head = HeadOf(request);
     if (head->is_ambiguous) return Refused(400, "Content-Length (expected one whole number)");
     if (head->is_chunked)
@@ -101,7 +104,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
       return Refused(413, fmt::format("the body has {} bytes (expected at most {})", head->body_bytes,
                                       kLongestBody_bytes));
     }
-    client_ = client;
+    caller_ = caller;
     waits_.reset();
     HttpExchange exchange(request);
     bool closed = false;
@@ -124,24 +127,27 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
       deliveries.swap(finished_);
     }
     const bool changed = watch_.version() != version_;
-    if (streams_.empty() || (!changed && now < heartbeat_due_)) return deliveries;
+    if (viewers_.count() == 0 || (!changed && now < heartbeat_due_)) return deliveries;
     heartbeat_due_ = now + kHeartbeat;
+    const auto add = [&](std::vector<Delivery> more) {
+      deliveries.insert(deliveries.end(), std::make_move_iterator(more.begin()),
+                        std::make_move_iterator(more.end()));
+    };
+    // Whoever is logged out sees nothing any more.
+    if (!gate_.is_open()) {
+      add(viewers_.EndWhere([&](const std::string& session) { return !logins_.Holds(session, now); }));
+    }
     if (!changed) {
-      const std::string alive = EventFrame("alive", fmt::format("{{\"now_ms\":{}}}", UtcMilliseconds()));
-      for (const auto& [client, seen] : streams_) deliveries.push_back({client, alive});
+      add(viewers_.Alive(UtcMilliseconds()));
       return deliveries;
     }
     const WatchedCampaign newest = watch_.Newest();
     version_ = newest.version;
-    const std::string state = EventFrame("state", JsonText(StateJson(newest.snapshot, Now())));
-    for (auto& [client, seen] : streams_) {
-      deliveries.push_back({client, JournalFrames(newest.events, seen) + state});
-      seen = newest.snapshot.last_event;
-    }
+    add(viewers_.News(newest, Now()));
     return deliveries;
   }
 
-  void Left(ClientId client) override { streams_.erase(client); }
+  void Left(ClientId client) override { viewers_.Remove(client); }
 
   std::string LastWords(Refusal why) override {
     switch (why) {
@@ -183,10 +189,16 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     });
   }
 
-  // Of all requests but those of `PostHere`, whose bodies are not read yet.
+  // Of all requests but those of `PostHere`, whose bodies are not read yet. One that is packed is not
+  // unpacked: four kilobytes may hold gigabytes.
   bool Route(const httplib::Request& request, httplib::Response& response) {
-    if (!IsLoopbackHost(request.get_header_value("Host"))) {
-      Refuse(response, 403, "the page is not served under this name (expected localhost or 127.0.0.1)");
+    if (const auto wrong = gate_.WrongHost(request.get_header_value("Host"), caller_.own_address)) {
+      Refuse(response, 403, *wrong);
+    } else if (gate_.IsGuarded(request.path) && !IsLoggedIn(request)) {
+      response.status = 401;
+      response.set_content(JsonText(MustLogIn()) + "\n", kJson);
+    } else if (request.has_header("Content-Encoding")) {
+      Refuse(response, 415, "the body is packed (expected plain JSON, without Content-Encoding)");
     } else if (request.path == kActionsPath || request.path == kLoginPath || request.path == kLogoutPath) {
       if (request.method == "POST") return false;
       Refuse(response, 405, "actions are sent by POST");
@@ -211,6 +223,10 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     return true;
   }
 
+  bool IsLoggedIn(const httplib::Request& request) {
+    return logins_.ActorOf(request.get_header_value("Cookie"), SteadyNow()).user.has_value();
+  }
+
   void SendState(const httplib::Request& request, httplib::Response& response) {
     const CampaignSnapshot snapshot = watch_.Snapshot();
     const Actor actor = logins_.ActorOf(request.get_header_value("Cookie"), SteadyNow());
@@ -227,7 +243,8 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   }
 
   std::optional<PageQuestions::Taken> Ask(const httplib::Request& request) {
-    const auto answer = [this, client = client_](int status, std::string_view type, const std::string& body) {
+    const auto answer = [this, client = caller_.id](int status, std::string_view type,
+                                                    const std::string& body) {
       Finish(client, status, body, {}, type);
     };
     return questions_.Ask(request.path, request.params, watch_.Snapshot(), answer);
@@ -249,7 +266,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   }
 
   void OpenStream(const httplib::Request& request, httplib::Response& response) {
-    if (streams_.size() >= kMostStreams) {
+    if (viewers_.count() >= kMostStreams) {
       return Refuse(response, 503,
                     fmt::format("{} viewers look on already (expected: one that closes the page; quick stop "
                                 "works without a stream)",
@@ -257,7 +274,8 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     }
     const WatchedCampaign newest = watch_.Newest();
     const std::int64_t last_seen = LastEventId(request.get_header_value("Last-Event-ID"));
-    streams_[client_] = newest.snapshot.last_event;
+    const Actor actor = logins_.ActorOf(request.get_header_value("Cookie"), SteadyNow());
+    viewers_.Add(caller_.id, newest.snapshot.last_event, actor.session);
     waits_ = EventStreamHead() + "retry: 1000\n\n" + JournalFrames(newest.events, last_seen) +
              EventFrame("state", JsonText(StateJson(newest.snapshot, Now())));
   }
@@ -273,7 +291,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     }
     const Actor actor = logins_.Acting(request.get_header_value("Cookie"), SteadyNow());
     const auto answer =
-        desk_.Take(request.body, snapshot, actor, [this, client = client_](const ActionAnswer& done) {
+        desk_.Take(request.body, snapshot, actor, [this, client = caller_.id](const ActionAnswer& done) {
           Finish(client, done.status, JsonText(done.body) + "\n");
         });
     if (!answer) {
@@ -285,8 +303,8 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   }
 
   void LogIn(const httplib::Request& request, httplib::Response& response) {
-    const auto answer =
-        logins_.LogIn(request.body, SteadyNow(), [this, client = client_](const LoginAnswer& done) {
+    const auto answer = logins_.LogIn(
+        request.body, caller_.address, SteadyNow(), [this, client = caller_.id](const LoginAnswer& done) {
           Finish(client, done.status, JsonText(done.body) + "\n", HeadersOf(done));
         });
     if (!answer) {
@@ -310,10 +328,11 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
 
   const CampaignFolder folder_;
   const std::string_view scheme_;
+  const PageGate gate_;
   const std::string zone_{TimeZone()};
-  ClientId client_{};                         // whose request is answered
-  std::optional<std::string> waits_;          // what that one gets at once, where more will follow
-  std::map<ClientId, std::int64_t> streams_;  // and the last line of the journal that each has
+  Caller caller_;                     // whose request is answered
+  std::optional<std::string> waits_;  // what that one gets at once, where more will follow
+  Viewers viewers_;
   std::uint64_t version_{};
   Time heartbeat_due_{};
   std::mutex mutex_;  // of the two below
@@ -329,9 +348,10 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
 PageServer::PageServer(const PageSettings& settings)
     : pages_(std::make_unique<Pages>(settings)),
       server_(std::make_unique<TcpServer>("the page",
-                                          ListenSettings{.address = "127.0.0.1",
+                                          ListenSettings{.address = settings.address,
                                                          .port = settings.port,
                                                          .connections = kMostConnections,
+                                                         .of_one_network = pages_->MostOfOneNetwork(),
                                                          .idle_after_ms = kIdleAfter_ms,
                                                          .tls = settings.tls},
                                           *pages_, kLimits)) {

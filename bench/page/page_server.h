@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/campaign/folder.h"
 #include "bench/serving/tcp_server.h"
@@ -14,7 +15,9 @@ namespace strainwave::bench {
 
 struct PageSettings {
   CampaignFolder folder;
-  int port{};                                       // of 127.0.0.1; 0: any free one
+  std::string address{"127.0.0.1"};  // another than of the loopback: who looks on must be logged in
+  std::vector<std::string> names{};  // of this machine, by which others reach that address
+  int port{};                        // 0: any free one
   std::optional<std::filesystem::path> users_file;  // who may do more than look on and stop; nothing: nobody
   std::filesystem::path predictor{};                // of the newest cycle; empty: none
   std::filesystem::path baseline{};                 // of a predictor of changes; else empty

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
-#include <thread>
 
 #include <fmt/core.h>
 
@@ -18,7 +17,6 @@ namespace strainwave::bench {
 namespace {
 
 constexpr std::chrono::seconds kPatience{30};
-constexpr std::chrono::milliseconds kInterval{20};
 
 // Whether that process has begun a run; also of a journal that cannot be read at this moment.
 bool HasBegun(const CampaignFolder& folder, pid_t process) {
@@ -29,6 +27,11 @@ bool HasBegun(const CampaignFolder& folder, pid_t process) {
   } catch (const std::exception&) {
     return false;
   }
+}
+
+// What SQLite has committed is there first.
+std::filesystem::path LogOfJournal(const CampaignFolder& folder) {
+  return folder.Journal().string() + "-wal";
 }
 
 // The pace of a simulated bench is that of the run before.
@@ -51,21 +54,19 @@ ActionAnswer ResumeRun(const CampaignFolder& folder, const AskedAction& asked, c
   } catch (const std::exception& error) {
     return NotDone(500, "process", fmt::format("the campaign cannot be gone on with: {}", error.what()));
   }
-  const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (!HasBegun(folder, process)) {
-    int status{};
-    if (::waitpid(process, &status, WNOHANG) == process) {
+  const auto begun = [&] { return HasBegun(folder, process); };
+  switch (Await(process, LogOfJournal(folder), kPatience, begun)) {
+    case Awaited::kDone:
+      return Done(asked, fmt::format("process {} goes on with the campaign", process), now_utc);
+    case Awaited::kEnded:
       return NotDone(409, "process",
                      fmt::format("the campaign was not gone on with: {}", LastLineOf(output)));
-    }
-    if (std::chrono::steady_clock::now() >= until) {
-      return Done(
-          asked, fmt::format("process {} has not begun yet; what it says is in {}", process, output.string()),
-          now_utc);
-    }
-    std::this_thread::sleep_for(kInterval);
+    case Awaited::kNothing:
+      break;
   }
-  return Done(asked, fmt::format("process {} goes on with the campaign", process), now_utc);
+  return Done(asked,
+              fmt::format("process {} has not begun yet; what it says is in {}", process, output.string()),
+              now_utc);
 }
 
 }  // namespace strainwave::bench

@@ -6,13 +6,15 @@
 
 #include <httplib.h>
 
+#include "bench/serving/request_text.h"
+
 namespace strainwave::bench {
 
 /// A request that is there already, and the answer to it, for a server of cpp-httplib that does not listen
-/// (docs/decisions/0012-one-thread-per-server.md).
+/// (docs/decisions/0012-one-thread-per-server.md). It asks for no parts of an answer (request_text.h).
 class HttpExchange : public httplib::Stream {
  public:
-  explicit HttpExchange(std::string_view request) : request_(request) {}
+  explicit HttpExchange(std::string_view request) : text_(WithoutRanges(request)), request_(text_) {}
 
   const std::string& answer() const { return answer_; }
 
@@ -32,7 +34,8 @@ class HttpExchange : public httplib::Stream {
   socket_t socket() const override { return INVALID_SOCKET; }
 
  private:
-  std::string_view request_;
+  std::string text_;
+  std::string_view request_;  // what of it has not been read
   std::string answer_;
 };
 

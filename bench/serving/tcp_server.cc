@@ -17,6 +17,8 @@
 
 #include <fmt/format.h>
 
+#include "bench/serving/addresses.h"
+
 namespace strainwave::bench {
 namespace {
 
@@ -56,10 +58,15 @@ int Listen(const ListenSettings& settings) {
   return listener;
 }
 
-int PortOf(int listener) {
+sockaddr_storage OwnEnd(int socket) {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);
-  ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+  return address;
+}
+
+int PortOf(int listener) {
+  const sockaddr_storage address = OwnEnd(listener);
   return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
                                              : reinterpret_cast<const sockaddr_in&>(address).sin_port);
 }
@@ -73,6 +80,7 @@ TcpServer::TcpServer(std::string_view name, const ListenSettings& settings, Requ
     : protocol_(protocol),
       limits_(limits),
       most_clients_(settings.connections),
+      most_of_one_(settings.of_one_network),
       idle_after_(settings.idle_after_ms),
       tls_(settings.tls),
       listener_(Listen(settings)) {
@@ -121,7 +129,7 @@ void TcpServer::Serve() {
 
 void TcpServer::Close(const Client& client) {
   ::close(client.socket);
-  if (client.waits) protocol_.Left(client.id);
+  if (client.waits) protocol_.Left(client.caller.id);
 }
 
 bool TcpServer::IsWelcome(Client& client, Time now) {
@@ -134,7 +142,8 @@ bool TcpServer::IsWelcome(Client& client, Time now) {
 
 void TcpServer::Deliver(Time now) {
   for (RequestProtocol::Delivery& delivery : protocol_.Deliveries(now)) {
-    const auto client = std::ranges::find(clients_, delivery.client, &Client::id);
+    const auto client =
+        std::ranges::find(clients_, delivery.client, [](const Client& one) { return one.caller.id; });
     if (client == clients_.end()) continue;
     const bool keeps_up = client->unsent.size() <= limits_.most_unsent_bytes;
     client->unsent += delivery.bytes;
@@ -152,22 +161,35 @@ void TcpServer::Deliver(Time now) {
 void TcpServer::LetIn(Time now) {
   // No more than there is room for, or a flood of them would keep those waiting that are in.
   for (std::size_t i = 0; i < most_clients_; ++i) {
-    const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    sockaddr_storage from{};
+    socklen_t size = sizeof(from);
+    const int socket =
+        ::accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (socket < 0 && (errno == EMFILE || errno == ENFILE)) {
       // The next round finds a descriptor.
-      clients_.empty() ? static_cast<void>(::poll(nullptr, 0, kPatience_ms)) : CloseLongestIdle();
+      clients_.empty() ? static_cast<void>(::poll(nullptr, 0, kPatience_ms)) : CloseLongestIdle({});
     }
     if (socket < 0) return;
-    if (clients_.size() >= most_clients_) CloseLongestIdle();
+    const std::string address = AddressText(from);
+    const std::string network = NetworkOf(address);
+    const auto of_one = std::ranges::count(clients_, network, &Client::network);
+    if (static_cast<std::size_t>(of_one) >= most_of_one_) CloseLongestIdle(network);
+    if (clients_.size() >= most_clients_) CloseLongestIdle({});
     clients_.push_back({.socket = socket,
                         .link = tls_ == nullptr ? PlainLink(socket) : tls_->Link(socket),
-                        .id = ++last_id_,
+                        .caller = {++last_id_, address, AddressText(OwnEnd(socket))},
+                        .network = network,
                         .served = now});
   }
 }
 
-void TcpServer::CloseLongestIdle() {
-  const auto idle = std::ranges::min_element(clients_, {}, &Client::served);
+void TcpServer::CloseLongestIdle(std::string_view network) {
+  auto idle = clients_.end();
+  for (auto client = clients_.begin(); client != clients_.end(); ++client) {
+    if (!network.empty() && client->network != network) continue;
+    if (idle == clients_.end() || client->served < idle->served) idle = client;
+  }
+  if (idle == clients_.end()) return;
   Close(*idle);
   clients_.erase(idle);
 }
@@ -232,7 +254,7 @@ bool TcpServer::Proceed(Client& client, Time now) {
     }
     if (!length) break;
     RequestProtocol::Reply reply =
-        protocol_.Answer(std::string_view(client.received).substr(0, *length), client.id);
+        protocol_.Answer(std::string_view(client.received).substr(0, *length), client.caller);
     client.received.erase(0, *length);
     client.unsent = std::move(reply.bytes);
     client.served = now;

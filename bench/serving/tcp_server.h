@@ -21,8 +21,9 @@ namespace strainwave::bench {
 /// Where a server listens, and whom it bears.
 struct ListenSettings {
   std::string address;
-  int port{};                   // 0: any free one
-  std::size_t connections{32};  // at a time; one more takes the place of the longest idle
+  int port{};                               // 0: any free one
+  std::size_t connections{32};              // at a time; one more takes the place of the longest idle
+  std::size_t of_one_network{connections};  // likewise of one machine (NetworkOf)
   std::int64_t idle_after_ms{60'000};
   const TlsIdentity* tls{};  // outlives the server; nothing: not encrypted
 };
@@ -32,6 +33,13 @@ class RequestProtocol {
  public:
   using Time = std::chrono::steady_clock::time_point;
   using ClientId = std::uint64_t;  // of a connection; never given twice
+
+  /// Who sends a request: a connection, and the addresses at its two ends (addresses.h).
+  struct Caller {
+    ClientId id{};
+    std::string address;      // theirs
+    std::string own_address;  // of this machine, to which the connection was made
+  };
 
   struct Reply {
     std::string bytes;
@@ -53,7 +61,7 @@ class RequestProtocol {
 
   /// Of the first request in `received`, in bytes; nothing while it is not whole.
   virtual std::optional<std::size_t> LengthOf(std::string_view received) = 0;
-  virtual Reply Answer(std::string_view request, ClientId client) = 0;
+  virtual Reply Answer(std::string_view request, const Caller& caller) = 0;
   /// Asked in every round of the server's loop, which a call of `Wake` begins at once.
   virtual std::vector<Delivery> Deliveries(Time) { return {}; }
   /// A client that was told to wait has left, or was closed.
@@ -98,7 +106,8 @@ class TcpServer {
   struct Client {
     int socket{};
     std::unique_ptr<ByteLink> link{};
-    RequestProtocol::ClientId id{};
+    RequestProtocol::Caller caller{};
+    std::string network{};      // of the caller
     Time served{};              // the last time that it was given an answer, or let in
     std::optional<Time> due{};  // by which the rest of a request must have come, and an answer have gone
     std::string received{};
@@ -110,7 +119,8 @@ class TcpServer {
 
   void Serve();
   void LetIn(Time now);
-  void CloseLongestIdle();
+  /// @param network  of whom; empty: of all.
+  void CloseLongestIdle(std::string_view network);
   void Close(const Client& client);
   void Deliver(Time now);
   /// False where the client is to be closed.
@@ -124,6 +134,7 @@ class TcpServer {
   RequestProtocol& protocol_;
   const ServerLimits limits_;
   const std::size_t most_clients_;
+  const std::size_t most_of_one_;
   const std::chrono::milliseconds idle_after_;
   const TlsIdentity* const tls_;
   int listener_{-1};

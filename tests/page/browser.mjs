@@ -67,7 +67,7 @@ export class Scratch {
       child.stdout.once('data', data => done(String(data)));
       child.once('exit', code => fail(new Error(`strainwave serve ended with ${code}`)));
     });
-    return {address: line.match(/http:\/\/\S+/)[0], child};
+    return {address: line.match(/https?:\/\/\S+/)[0], child};
   }
 
   async close() {

@@ -2,7 +2,9 @@
 // A disk that is full, will be full, or cannot be written.
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <sys/mount.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -71,7 +73,8 @@ TEST(FullDisk, ThatWillNotLastIsAnAlarmUntilItDoes) {
   std::ofstream(schedule) << text.replace(text.find("cycles: 3"), 9, "cycles: 300");
   const ProgramResult ended = RunProgram({"run", schedule, "--out", folder});
   EXPECT_EQ(ended.exit_code, 3);
-  EXPECT_NE(ended.error.find(" are free, and the raw data of the cycles to come may take "), std::string::npos)
+  EXPECT_NE(ended.error.find(" are free, and the raw data of the cycles to come may take "),
+            std::string::npos)
       << ended.error;
   const auto journal = bench::Journal::Open(folder + "/campaign.db", bench::Database::Mode::kReadOnly);
   const auto alarms = journal.Alarms(0.0);
@@ -84,36 +87,64 @@ TEST(FullDisk, ThatWillNotLastIsAnAlarmUntilItDoes) {
   EXPECT_NE(status.out.find("  LITTLE ROOM  "), std::string::npos) << status.out;
 }
 
-// Somebody else fills it in the middle of a cycle, which nobody can foresee.
-TEST(FullDisk, StopsSafelyAndTheCampaignOpensAndGoesOn) {
-  MountedFolder disk("size=40m");
-  if (!disk.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
-  const std::string folder = disk / "campaign";
-  const ScratchFolder said;
-  const pid_t process = StartProgram({"run", kSchedule, "--out", folder, "--pace", "200"}, said);
-  const std::string finished = folder + "/unfinished";  // of the cycle under way
-  bench::Until([&] { return std::filesystem::exists(finished) && !std::filesystem::is_empty(finished); });
-  {
-    std::ofstream other(disk / "of somebody else");
-    const std::string block(1 << 16, 'x');
-    while (other.write(block.data(), static_cast<std::streamsize>(block.size())).flush()) {
-    }
+// A run on a disk of its own that somebody else fills in the middle of a cycle.
+class DiskThatOthersFill : public testing::Test {
+ protected:
+  // A campaign in the middle of whose cycle the disk is left with no more than that, at once.
+  ProgramResult RunUntilOthersLeave(std::uintmax_t bytes) {
+    const ScratchFolder said;
+    const pid_t process = StartProgram({"run", kSchedule, "--out", folder_, "--pace", "200"}, said);
+    const std::string finished = folder_ + "/unfinished";  // of the cycle under way
+    bench::Until([&] { return std::filesystem::exists(finished) && !std::filesystem::is_empty(finished); });
+    const int other = ::open((disk_ / "of somebody else").c_str(), O_WRONLY | O_CREAT, 0600);
+    const auto space = std::filesystem::space(disk_ / "");
+    EXPECT_EQ(::posix_fallocate(other, 0, static_cast<off_t>(space.available - bytes)), 0);
+    ::close(other);
+    return WaitForProgram(process, said);
   }
-  const ProgramResult full = WaitForProgram(process, said);
+  void GoOnWithRoom() {
+    EXPECT_EQ(RunProgram({"status", folder_}).exit_code, 0);
+    disk_.Remount(0, "size=90m");
+    const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", folder_, "--resume"});
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+    const auto journal = bench::Journal::Open(folder_ + "/campaign.db", bench::Database::Mode::kReadOnly);
+    EXPECT_EQ(journal.LastCompleteCycle(), 3);
+  }
+
+  MountedFolder disk_{"size=40m"};
+  const std::string folder_ = disk_ / "campaign";
+};
+
+TEST_F(DiskThatOthersFill, EndsTheCycleWhileThatCanBeWrittenDown) {
+  if (!disk_.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  const ProgramResult ended = RunUntilOthersLeave(6 << 20);
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_NE(ended.error.find(" are free, and what the cycle under way has recorded may take "),
+            std::string::npos)
+      << ended.error;
+  EXPECT_NE(ended.error.find("stopped: torque is off, brakes are on; when the cause is mended, go on with: "),
+            std::string::npos)
+      << ended.error;
+  {
+    const auto journal = bench::Journal::Open(folder_ + "/campaign.db", bench::Database::Mode::kReadOnly);
+    const auto alarms = journal.Alarms(0.0);
+    ASSERT_EQ(alarms.size(), 1U);
+    EXPECT_EQ(alarms[0].code, "disk_full");
+    const auto phases = journal.Phases(journal.LastCompleteCycle() + 1);
+    ASSERT_FALSE(phases.empty()) << "in the middle of a cycle";
+    EXPECT_TRUE(phases.back().outcome == "disk_full" || phases.back().outcome == "complete")
+        << phases.back().outcome;
+  }
+  GoOnWithRoom();
+}
+
+// Nobody can foresee that.
+TEST_F(DiskThatOthersFill, StopsSafelyWhereNothingIsLeftAtAll) {
+  if (!disk_.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  const ProgramResult full = RunUntilOthersLeave(0);
   EXPECT_EQ(full.exit_code, 3);
-  EXPECT_NE(
-      full.error.find("stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
-                      "mended, go on with: strainwave run " +
-                      kSchedule + " --out " + folder + " --resume\n"),
-      std::string::npos)
-      << full.error;
-  EXPECT_NE(full.error.find(": No space left on device\n"), std::string::npos) << full.error;
-  EXPECT_EQ(RunProgram({"status", folder}).exit_code, 0);
-  disk.Remount(0, "size=90m");
-  const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", folder, "--resume"});
-  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
-  const auto journal = bench::Journal::Open(folder + "/campaign.db", bench::Database::Mode::kReadOnly);
-  EXPECT_EQ(journal.LastCompleteCycle(), 3);
+  EXPECT_NE(full.error.find("stopped: torque is off, brakes are on"), std::string::npos) << full.error;
+  GoOnWithRoom();
 }
 
 TEST(ReadOnlyFolder, IsRefusedBeforeAnythingMoves) {

@@ -54,6 +54,7 @@ const std::vector<Way>& Ways() {
        StopCause::kQuickStopRequested},
       {"Shutdown", [](SpiedBench& bench) { bench.request = StopRequest::kShutdown; },
        StopCause::kShutdownRequested},
+      {"FullDisk", [](SpiedBench& bench) { bench.runner.EndForFullDisk(); }, StopCause::kDiskFull},
   };
   return ways;
 }

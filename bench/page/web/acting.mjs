@@ -77,6 +77,15 @@ function login() {
   $('login-name').focus();
 }
 
+/// Nothing is shown without a login, since the page is looked at from another machine.
+export function mustLogIn() {
+  [token, user, hasUsers] = ['', null, true];
+  $('person').textContent = '';
+  $('log-in').hidden = false;
+  $('log-out').hidden = true;
+  if (!$('login-dialog').open) login();
+}
+
 /// Asks for words, then acts. @param about  what it is about, in a line; @param more  fields of the request.
 export function ask(action, about = '', more = {}) {
   if (!mayAct(action)) {

@@ -11,7 +11,7 @@ async function answerOf(path, options) {
 
 async function get(path) {
   const answer = await answerOf(path);
-  if (!answer.ok) throw new Error(answer.body.error);
+  if (!answer.ok) throw Object.assign(new Error(answer.body.error), {status: answer.status});
   return answer.body;
 }
 

@@ -22,9 +22,10 @@ export class Stream {
     for (const name of ['state', 'journal', 'alive']) {
       source.addEventListener(name, event => this.#emit({name, data: JSON.parse(event.data)}));
     }
+    source.addEventListener('over', () => this.#emit({name: 'over'}));  // logged out
     source.addEventListener('open', () => this.#emit({name: 'up'}));
     source.addEventListener('error', () => {
-      this.#emit({name: 'down'});
+      this.#emit({name: source.readyState === EventSource.CLOSED ? 'refused' : 'down'});
       // A refusal is for good to the browser; not to us.
       if (source.readyState !== EventSource.CLOSED || source !== this.#source) return;
       this.close();

@@ -9,6 +9,7 @@ let newest = null;       // the newest state, for a tab that joins a stream whic
 
 const stream = new Stream(message => {
   if (message.name === 'state') newest = message;
+  if (message.name === 'over') newest = null;
   for (const port of tabs.keys()) port.postMessage(message);
 });
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The live page: what the bench says, put into the document. Text goes in as text, never as markup.
-import {begin, canLogIn, mayAct, quickStop, showsRun, takeState} from '/acting.mjs';
+import {begin, canLogIn, mayAct, mustLogIn, quickStop, showsRun, takeState} from '/acting.mjs';
 import {showAlarms, showNotes} from '/alarms.mjs';
 import {getAlarms, getCycles, getLive, getMeasurements, getPrediction, getState} from '/api.mjs';
 import {showPicture, showPrediction, showSources} from '/around.mjs';
@@ -32,6 +32,7 @@ let stateAt = 0;          // when it came, on this browser's steady clock
 let wordAt = 0;           // when anything came
 let benchMs = 0;          // UTC of the bench then
 let clock = new Clock('UTC');
+let locked = false;       // nothing is shown without a login
 let asked = false;        // for a quick stop, and the bench was not seen to stand since
 
 function bar(id, share) {
@@ -285,7 +286,26 @@ function tell(text, kind) {
   put('answer', text);
 }
 
+// What was shown before is not for whoever stands there now.
+function lock(is_locked) {
+  locked = is_locked;
+  document.querySelector('main').hidden = locked;
+  if (!locked) return;
+  state = null;
+  [alarmsShown, notesShown] = ['', ''];
+  for (const id of ['journal', 'alarms', 'notes', 'specimen', 'answer']) $(id).replaceChildren();
+  $('answer').hidden = true;
+  $('state').dataset.state = 'loading';
+  put('state-shape', '○');
+  put('state-word', 'Log in to look on');
+  put('sentence', '');
+  put('campaign', 'strainwave');
+  document.title = 'strainwave';
+  mustLogIn();
+}
+
 function take(newer) {
+  if (locked) lock(false);
   if (state && newer.run !== state.run) {
     cyclesShown = measuredShown = predictedShown = -1;
     refresh();  // a token for the new run
@@ -317,13 +337,14 @@ async function refresh() {
     take(newer);
     for (const line of newer.events) showLine(line);
     tick();
-  } catch {
+  } catch (error) {
+    if (error.status === 401) lock(true);
     // The banner says it when nothing comes at all.
   }
 }
 
 function tick() {
-  const silent = performance.now() - wordAt > SILENT_MS;
+  const silent = !locked && performance.now() - wordAt > SILENT_MS;
   document.body.classList.toggle('old', silent);
   $('banner').hidden = !silent;
   if (silent) {
@@ -350,8 +371,9 @@ matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => [...
 
 let wasDown = false;
 follow(({name, data}) => {
-  if (name === 'down') {
+  if (name === 'down' || name === 'refused' || name === 'over') {
     wasDown = true;
+    if (name !== 'down' && !locked) refresh();  // which is refused, too, where the login is over
     return;
   }
   wordAt = performance.now();

@@ -63,6 +63,31 @@ TEST_F(SessionsOfAPage, EndWhenTheirUserIsAnother) {
   EXPECT_FALSE(Holds());
 }
 
+TEST_F(SessionsOfAPage, ThatAreOverTakeNoRoom) {
+  for (int half = 1; half < 24; ++half) sessions_.Touch("secret", now_ += minutes(30));
+  sessions_.Open("second", kMeier, now_);
+  sessions_.Open("third", kMeier, now_);
+  now_ += minutes(29);
+  sessions_.Touch("secret", now_);
+  now_ += minutes(1);
+  EXPECT_FALSE(Holds("secret")) << "after a working day";
+  sessions_.Open("fourth", kMeier, now_);
+  EXPECT_TRUE(Holds("second")) << "though it is idle for longer than the one that is over";
+  EXPECT_TRUE(Holds("third"));
+  EXPECT_TRUE(Holds("fourth"));
+}
+
+TEST_F(SessionsOfAPage, OfOneUserEndNobodyElses) {
+  const User other{"schulz", UserRole::kViewer, "hash"};
+  Sessions sessions({.without_action = hours(1), .in_all = hours(12), .most = 100, .most_of_one = 2});
+  sessions.Open("meier", kMeier, now_);
+  for (const char* secret : {"first", "second", "third"}) sessions.Open(secret, other, now_ += seconds(1));
+  EXPECT_TRUE(sessions.Find("meier", now_)) << "though it is idle for the longest";
+  EXPECT_FALSE(sessions.Find("first", now_));
+  EXPECT_TRUE(sessions.Find("second", now_));
+  EXPECT_TRUE(sessions.Find("third", now_));
+}
+
 TEST_F(SessionsOfAPage, MakeRoomForOneMore) {
   now_ += minutes(1);
   sessions_.Open("second", kMeier, now_);

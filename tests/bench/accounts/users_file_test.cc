@@ -45,20 +45,50 @@ TEST(UsersFile, ComesBackAsItWasWritten) {
 TEST(UsersFile, IsNotForEverybodysEyes) {
   const auto file = std::filesystem::path(testing::TempDir()) / "users_file_open_test.yaml";
   WriteUsersFile(file, {});
-  std::filesystem::permissions(file, std::filesystem::perms(0644));
-  try {
-    ReadUsersFile(file);
-    FAIL() << "read";
-  } catch (const UsersFileError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              file.string() +
-                  ": error: everybody may read or write the file of users (expected its owner alone: "
-                  "chmod 600 " +
-                  file.string() + ")");
+  for (const unsigned mode : {0604U, 0602U, 0620U, 0666U}) {
+    std::filesystem::permissions(file, std::filesystem::perms(mode));
+    try {
+      ReadUsersFile(file);
+      FAIL() << "read with " << mode;
+    } catch (const UsersFileError& error) {
+      EXPECT_EQ(std::string(error.what()),
+                file.string() +
+                    ": error: everybody may read or write the file of users (expected its owner alone: "
+                    "chmod 600 " +
+                    file.string() + ")");
+    }
+  }
+  std::filesystem::permissions(file, std::filesystem::perms(0640));
+  EXPECT_TRUE(ReadUsersFile(file).empty()) << "a group of administrators may read it";
+}
+
+TEST(UsersFile, LeavesTheMaskOfNewFilesAsItWas) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "users_file_mask_test.yaml";
+  const mode_t before = ::umask(0027);
+  WriteUsersFile(file, {});
+  EXPECT_EQ(::umask(0027), 0027U);
+  EXPECT_ANY_THROW(WriteUsersFile(file / "no folder", {}));
+  EXPECT_EQ(::umask(before), 0027U);
+}
+
+TEST(UserNames, AreLettersDigitsAndAFewSigns) {
+  for (const std::string& name : {std::string("a"), std::string("A. Meier"), std::string("Jörg"),
+                                  std::string("a_b-c@d.e"), std::string(40, 'x'), std::string("7")}) {
+    EXPECT_TRUE(IsUserName(name)) << name;
+  }
+  for (const std::string& name : {std::string(), std::string(" a"), std::string("a "), std::string(41, 'x'),
+                                  std::string("a\tb"), std::string("a\nb"), std::string("a\"b"),
+                                  std::string("a/b"), std::string("a:b"), std::string("a\0b", 3)}) {
+    EXPECT_FALSE(IsUserName(name)) << name;
   }
 }
 
 TEST(UsersFile, SaysWhereItIsWrong) {
+  EXPECT_EQ(ErrorOf("users: 2\n"),
+            "users.yaml:1:8: error: users = 2: not a known version (expected 'users: 1', the version of the "
+            "format)");
+  EXPECT_EQ(ErrorOf("accounts: []\n"),
+            "users.yaml:1:1: error: missing key 'users' (expected 'users: 1', the version of the format)");
   const std::string head = "users: 1\naccounts:\n";
   EXPECT_EQ(
       ErrorOf(head + "  - {name: \"-\\t\", role: viewer, password: " + kHash + "}\n"),

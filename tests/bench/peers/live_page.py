@@ -4,14 +4,13 @@ import contextlib
 import http.client
 import json
 import pathlib
+import re
 import socket
 import ssl
 import subprocess
 import sys
 import tempfile
 import unittest
-import urllib.error
-import urllib.request
 
 from waiting import until
 
@@ -47,9 +46,8 @@ def page(program, folder, port=0, *more):
     process = subprocess.Popen([program, "serve", str(folder), "--port", str(port), *more], stdout=subprocess.PIPE, text=True)
     try:
         line = process.stdout.readline()
-        assert "://127.0.0.1:" in line, line
-        scheme, port = line.split(": ")[1].split("://127.0.0.1:")
-        yield Page(int(port.split("/")[0]), process, scheme)
+        scheme, host, port = re.search(r": (https?)://([^/]+):(\d+)/ ", line).groups()
+        yield Page(int(port), process, scheme, host)
     finally:
         ended(process)
         process.stdout.close()
@@ -64,11 +62,25 @@ def user(program, file, name, password, role):
 class Page:
     """One who looks on; whoever logs in keeps the cookie."""
 
-    def __init__(self, port, process, scheme="http"):
-        self.port, self.process = port, process
-        self.root = f"{scheme}://127.0.0.1:{port}"
+    def __init__(self, port, process, scheme="http", host="127.0.0.1", source=None):
+        self.port, self.process, self.scheme, self.host = port, process, scheme, host
+        self.source = (source, 0) if source else None
+        self.root = f"{scheme}://{host}:{port}"
         self.cookie = {}
         self.tls = None
+
+    def connection(self):
+        more = {"timeout": PATIENCE_s, "source_address": self.source}
+        if self.scheme == "http":
+            return http.client.HTTPConnection(self.host, self.port, **more)
+        return http.client.HTTPSConnection(self.host, self.port, context=self.tls, **more)
+
+    def asked(self, method, path, body=None, headers=None):
+        """Status, headers, body."""
+        with contextlib.closing(self.connection()) as connection:
+            connection.request(method, path, body, {**self.cookie, **(headers or {})})
+            answer = connection.getresponse()
+            return answer.status, answer.headers, answer.read()
 
     def trust(self, authority):
         """From now on certificates of that one are good."""
@@ -76,13 +88,7 @@ class Page:
 
     def get(self, path, headers=None):
         """Status, headers, body."""
-        request = urllib.request.Request(self.root + path, headers={**self.cookie, **(headers or {})})
-        try:
-            with urllib.request.urlopen(request, timeout=PATIENCE_s, context=self.tls) as answer:
-                return answer.status, answer.headers, answer.read()
-        except urllib.error.HTTPError as error:
-            with error:
-                return error.code, error.headers, error.read()
+        return self.asked("GET", path, headers=headers)
 
     def json(self, path):
         return json.loads(self.get(path)[2])
@@ -102,13 +108,8 @@ class Page:
 
     def post(self, body, headers, path="/api/v1/actions"):
         """Status, answer, headers."""
-        request = urllib.request.Request(self.root + path, body, {**self.cookie, **headers}, method="POST")
-        try:
-            with urllib.request.urlopen(request, timeout=PATIENCE_s, context=self.tls) as answer:
-                return answer.status, json.load(answer), answer.headers
-        except urllib.error.HTTPError as error:
-            with error:
-                return error.code, json.load(error), error.headers
+        status, headers, answer = self.asked("POST", path, body, headers)
+        return status, json.loads(answer), headers
 
     def log_in(self, name, password):
         """Status, answer, headers."""
@@ -120,7 +121,7 @@ class Page:
 
     def raw(self, text, more=None):
         """What comes for these bytes, until the server closes; `more` is sent after them, as far as it is taken."""
-        with socket.create_connection(("127.0.0.1", self.port), PATIENCE_s) as client:
+        with socket.create_connection((self.host, self.port), PATIENCE_s) as client:
             client.sendall(text)
             if more:
                 with contextlib.suppress(OSError):
@@ -132,15 +133,15 @@ class Page:
             return got
 
     def stream(self, last_event_id=None):
-        return Stream(self.port, last_event_id)
+        return Stream(self.connection(), {**self.cookie, **({"Last-Event-ID": last_event_id} if last_event_id else {})})
 
 
 class Stream:
     """Server-sent events, one after the other."""
 
-    def __init__(self, port, last_event_id=None):
-        self.connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_s)
-        self.connection.request("GET", "/api/v1/events", headers={"Last-Event-ID": last_event_id} if last_event_id else {})
+    def __init__(self, connection, headers):
+        self.connection = connection
+        self.connection.request("GET", "/api/v1/events", headers=headers)
         self.answer = self.connection.getresponse()
 
     def next(self, *names):

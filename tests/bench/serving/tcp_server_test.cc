@@ -20,10 +20,11 @@ class Lines : public RequestProtocol {
     const std::size_t end = received.find('\n');
     return end == received.npos ? std::nullopt : std::optional(end + 1);
   }
-  Reply Answer(std::string_view request, ClientId client) override {
+  Reply Answer(std::string_view request, const Caller& caller) override {
+    if (request == "who\n") return {.bytes = caller.address + " to " + caller.own_address, .closes = true};
     if (request == "echo\n") return {.bytes = "echo\n", .closes = true};
     const std::lock_guard lock(mutex_);
-    waiting_[client] = true;
+    waiting_[caller.id] = true;
     return {.bytes = "hello\n", .waits = true};
   }
   std::vector<Delivery> Deliveries(Time) override {
