@@ -9,6 +9,7 @@
 #include <exception>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "analysis/units.h"
 #include "bench/controller/seconds.h"
@@ -125,7 +126,7 @@ void PhaseRunner::HandOverExtremes() noexcept {
 }
 
 LiveExtremes PhaseRunner::TakeExtremes() noexcept {
-  LiveExtremes all;
+  LiveExtremes all = std::exchange(waiting_extremes_, {});
   while (const LiveExtremes* const next = handed_over_.BeginRead()) {
     all.Merge(*next);
     handed_over_.EndRead();
@@ -165,7 +166,10 @@ PhaseOutcome PhaseRunner::Run(PhaseProgram& program, const HeartbeatFunction& he
                        : Loop(program, [&](const PhaseSnapshot& snapshot) { heartbeat(snapshot, program); });
   outcome.credited_load_s = program.credited_load_s();
   if (IsFault(outcome.reason.cause)) AfterFault(program, outcome);
-  HandOverExtremes();
+  // The loop is over: nobody else adds to them.
+  waiting_extremes_ = TakeExtremes();
+  waiting_extremes_.Merge(extremes_);
+  extremes_ = {};
   program.Collect(devices_);
   outcome.records = program.TakeRecords();
   return outcome;

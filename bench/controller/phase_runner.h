@@ -119,6 +119,7 @@ class PhaseRunner {
   Readings readings_;
   LiveExtremes extremes_;                                 // since they were handed over
   daq::acquisition::SpscRing<LiveExtremes> handed_over_;  // by the loop, to whoever runs phases
+  LiveExtremes waiting_extremes_;                         // of a phase that has ended
   std::atomic<bool> disk_full_{};
   std::atomic<bool> abandoned_{};  // a heartbeat has failed: the phase ends at once
   std::string realtime_trouble_;

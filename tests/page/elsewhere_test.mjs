@@ -59,8 +59,10 @@ try {
   });
 
   await check('all is shown after it, and goes on', async () => {
+    // A wrong password has made the next one wait.
     await until(async () => {
       await logIn(tab, 'correct horse');
+      await until(async () => await tab.locator('#login-dialog').isHidden() || (await text(tab, 'login-trouble')) !== '');
       return await tab.locator('#login-dialog').isHidden();
     });
     await says(tab, 'state-word', /^Running$/);

@@ -41,7 +41,8 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"records"},
                                                          {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},
-                                                         {"monitor", "notices", "page"},
+                                                         {"monitor", "page"},
+                                                         {"notices"},
                                                          {"predictor_api"},
                                                          {"commands"}};
 
