@@ -12,7 +12,7 @@ namespace strainwave::analysis::statistics {
 /// @param place  d values.
 /// @throws std::invalid_argument if there is no point or the sizes differ.
 ///
-/// Source: Lawson & Hanson (1974), Solving Least Squares Problems, chapter 23 (non-negative least squares).
+/// Source: docs/sources.md#lawson-1974 (non-negative least squares).
 double DistanceFromHull(const Eigen::MatrixXd& points, const Eigen::VectorXd& place);
 
 }  // namespace strainwave::analysis::statistics

@@ -9,12 +9,14 @@
 
 #include "bench/commands/commands.h"
 #include "bench/commands/health_report.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
 #include "bench/health/assess_health.h"
 #include "bench/health/health_json.h"
+#include "bench/health/health_pictures.h"
 #include "bench/health/train_health.h"
 #include "daq/record.h"
 
@@ -22,7 +24,7 @@ namespace strainwave::bench {
 namespace {
 
 namespace health = analysis::health;
-using Json = nlohmann::ordered_json;
+using HealthJson = nlohmann::ordered_json;
 
 struct HealthTrainCommand {
   std::string folder;
@@ -30,10 +32,12 @@ struct HealthTrainCommand {
   HealthJob job;
   analysis::features::PacketRecipe recipe;
   std::optional<double> limit_rms;
+  std::string plots;
+  std::string map;
   bool json{};
 };
 
-int TrainCommandRun(const HealthTrainCommand& command) {
+int TrainHealthModel(const HealthTrainCommand& command) {
   ShareLine line;
   std::mutex telling;
   const auto part = [&](double begin, double end) {
@@ -44,18 +48,27 @@ int TrainCommandRun(const HealthTrainCommand& command) {
   };
   // Reading and features are about a fifth of the work.
   constexpr double kReading = 0.2;
-  const HealthData data = ReadHealthData(command.folder, command.recipe, part(0.0, kReading));
+  const HealthData data =
+      ReadHealthData(RecordReader(command.map), command.folder, command.recipe, part(0.0, kReading));
   TellWarnings(data.warnings);
   HealthJob job = command.job;
   job.system.seed = job.seed;
   job.system.limit_rms = command.limit_rms;
   const HealthOutcome outcome = TrainHealth(data, job, part(kReading, 1.0));
   WriteHealthModel(command.out, data, job, outcome);
+  std::vector<std::filesystem::path> pictures;
+  if (!command.plots.empty()) {
+    line.Show("pictures", 0.99);
+    pictures = DrawHealthData(data, command.plots);
+    for (std::filesystem::path& picture : DrawHealthTraining(data, outcome, command.plots))
+      pictures.push_back(std::move(picture));
+  }
   line.Clear();
   if (command.json) {
     ToStdout("{}\n", ReportOf(data, job, outcome).dump(2));
   } else {
     PrintHealthTraining(data, job, outcome);
+    for (const auto& picture : pictures) ToStdout("picture: {}.svg (and .png)\n", picture.string());
     ToStdout("\nmodel: {}\nnext: strainwave health assess {} RECORD\n", command.out, command.out);
   }
   return static_cast<int>(ExitCode::kDone);
@@ -64,39 +77,42 @@ int TrainCommandRun(const HealthTrainCommand& command) {
 struct HealthAssessCommand {
   std::string model;
   std::vector<std::string> paths;
+  std::string map;
   std::string interval{"measurement"};
   bool json{};
 };
 
-health::IntervalOf IntervalOf(const std::string& name) {
+health::IntervalOf HealthIntervalOf(const std::string& name) {
   return name == "mean" ? health::IntervalOf::kMean : health::IntervalOf::kMeasurement;
 }
 
-Json BoundedJson(const health::Bounded& bounded) {
+HealthJson BoundedJson(const health::Bounded& bounded) {
   return {{"value", bounded.value}, {"low", bounded.low}, {"high", bounded.high}};
 }
 
-int Assess(const HealthAssessCommand& command) {
+int AssessRecords(const HealthAssessCommand& command) {
   const HealthModel model = ReadHealthModel(command.model);
   const std::vector<std::filesystem::path> files = HealthPaths(command.paths);
-  Json all = Json::array();
+  const RecordReader reader(command.map);
+  HealthJson all = HealthJson::array();
   ShareLine line;
   for (std::size_t i = 0; i < files.size(); ++i) {
     line.Show("assessing " + files[i].filename().string(),
               static_cast<double>(i) / static_cast<double>(files.size()));
-    const HealthAssessment assessment = AssessHealth(model, files[i], IntervalOf(command.interval));
+    const HealthAssessment assessment =
+        AssessHealth(model, reader, files[i], HealthIntervalOf(command.interval));
     if (!command.json) {
       line.Clear();
       TellWarnings(assessment.warnings);
       PrintAssessment(model, assessment);
       continue;
     }
-    Json components;
+    HealthJson components;
     for (std::size_t c = 0; c < model.components.size(); ++c)
       components[model.components[c]] = BoundedJson(assessment.health[c]);
     all.push_back({{"file", assessment.file},
                    {"health", std::move(components)},
-                   {"system", assessment.system ? BoundedJson(*assessment.system) : Json(nullptr)},
+                   {"system", assessment.system ? BoundedJson(*assessment.system) : HealthJson(nullptr)},
                    {"interval_of_system", command.interval},
                    {"cycles", assessment.cycles},
                    {"distance", assessment.distance},
@@ -114,10 +130,11 @@ struct HealthWhatIfCommand {
   std::string model;
   std::vector<std::string> state;
   std::string interval{"measurement"};
+  std::string plots;
   bool json{};
 };
 
-Eigen::VectorXd StateOf(const HealthWhatIfCommand& command, const HealthModel& model) {
+Eigen::VectorXd HealthStateOf(const HealthWhatIfCommand& command, const HealthModel& model) {
   std::string expected = "each of";
   for (const std::string& name : model.components) expected += fmt::format(" {}=0…1", name);
   Eigen::VectorXd state = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model.components.size()), -1.0);
@@ -141,15 +158,15 @@ Eigen::VectorXd StateOf(const HealthWhatIfCommand& command, const HealthModel& m
   return state;
 }
 
-Json WhatIfJson(const HealthModel& model, const Eigen::VectorXd& state, const health::WhatIf& answer,
-                const std::string& interval) {
-  Json restored;
-  Json shapley;
-  Json alone;
-  Json gain;
-  Json intervals_shapley;
-  Json intervals_alone;
-  Json given;
+HealthJson WhatIfJson(const HealthModel& model, const Eigen::VectorXd& state, const health::WhatIf& answer,
+                      const std::string& interval) {
+  HealthJson restored;
+  HealthJson shapley;
+  HealthJson alone;
+  HealthJson gain;
+  HealthJson intervals_shapley;
+  HealthJson intervals_alone;
+  HealthJson given;
   for (std::size_t c = 0; c < model.components.size(); ++c) {
     const std::string& name = model.components[c];
     given[name] = state(static_cast<Eigen::Index>(c));
@@ -161,8 +178,8 @@ Json WhatIfJson(const HealthModel& model, const Eigen::VectorXd& state, const he
     intervals_shapley[name] = BoundedJson(answer.shapley[c]);
     intervals_alone[name] = BoundedJson(answer.alone[c]);
   }
-  Json ranking = Json::array();
-  Json ties = Json::array();
+  HealthJson ranking = HealthJson::array();
+  HealthJson ties = HealthJson::array();
   for (std::size_t place = 0; place < answer.ranking.size(); ++place) {
     ranking.push_back(model.components[answer.ranking[place]]);
     if (place < answer.tied_with_next.size() && answer.tied_with_next[place])
@@ -191,13 +208,15 @@ Json WhatIfJson(const HealthModel& model, const Eigen::VectorXd& state, const he
           {"near_failed_condition", NearFailedCondition(model, state)}};
 }
 
-int WhatIfRun(const HealthWhatIfCommand& command) {
+int AnswerWhatIf(const HealthWhatIfCommand& command) {
   const HealthModel model = ReadHealthModel(command.model);
   if (!model.system)
     Refuse(command.model, "the model knows nothing of the system", "one that was trained with system_rms");
-  const Eigen::VectorXd state = StateOf(command, model);
-  const health::WhatIf answer =
-      health::AskWhatIf(model.system->surface, model.system->scale, state, IntervalOf(command.interval));
+  const Eigen::VectorXd state = HealthStateOf(command, model);
+  const health::WhatIf answer = health::AskWhatIf(model.system->surface, model.system->scale, state,
+                                                  HealthIntervalOf(command.interval));
+  if (!command.plots.empty())
+    DrawWhatIf(model.components, state, answer, std::filesystem::path(command.plots) / "whatif");
   if (command.json) {
     ToStdout("{}\n", WhatIfJson(model, state, answer, command.interval).dump(2));
   } else {
@@ -206,7 +225,7 @@ int WhatIfRun(const HealthWhatIfCommand& command) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-void AddInterval(CLI::App* command, std::string& interval) {
+void AddSystemInterval(CLI::App* command, std::string& interval) {
   command
       ->add_option("--interval", interval,
                    "of the system: of its mean, or of a new measurement, which has the noise of one on top")
@@ -274,9 +293,11 @@ void AddHealthTrain(CLI::App* parent, Action& action) {
       ->capture_default_str();
   command->add_flag("--normalised-entropy", options->recipe.normalised_entropy,
                     "Shannon entropy of shares, which a gain of the sensor does not move");
+  AddMapOption(*command, options->map);
+  command->add_option("--plots", options->plots, "folder for pictures");
   command->add_option("--seed", job.seed, "of weights and the random split")->capture_default_str();
   command->add_flag("--json", options->json, "print the report as one JSON document");
-  command->callback([options, &action] { action = [options] { return TrainCommandRun(*options); }; });
+  command->callback([options, &action] { action = [options] { return TrainHealthModel(*options); }; });
 }
 
 }  // namespace
@@ -291,13 +312,14 @@ void AddHealth(CLI::App& app, Action& action) {
     CLI::App* command =
         group->add_subcommand("assess",
                               "The health of each component, and of the system, from motor records.\n"
-                              "Example: strainwave health assess model robots/records/0001.csv");
+                              "Example: strainwave health assess model robots/records/hd1_tb0_1_001.csv");
     auto options = std::make_shared<HealthAssessCommand>();
     command->add_option("MODEL", options->model, "folder that health train has written")->required();
     command->add_option("PATH", options->paths, "motor records, or folders of them")->required();
-    AddInterval(command, options->interval);
+    AddSystemInterval(command, options->interval);
+    AddMapOption(*command, options->map);
     command->add_flag("--json", options->json, "an array, one object a file");
-    command->callback([options, &action] { action = [options] { return Assess(*options); }; });
+    command->callback([options, &action] { action = [options] { return AssessRecords(*options); }; });
   }
   CLI::App* command =
       group->add_subcommand("whatif",
@@ -306,9 +328,10 @@ void AddHealth(CLI::App& app, Action& action) {
   auto options = std::make_shared<HealthWhatIfCommand>();
   command->add_option("MODEL", options->model, "folder that health train has written")->required();
   command->add_option("--state", options->state, "NAME=HEALTH of every component, 0 (new) to 1")->required();
-  AddInterval(command, options->interval);
+  AddSystemInterval(command, options->interval);
+  command->add_option("--plots", options->plots, "folder for a picture");
   command->add_flag("--json", options->json, "the answer as one JSON document");
-  command->callback([options, &action] { action = [options] { return WhatIfRun(*options); }; });
+  command->callback([options, &action] { action = [options] { return AnswerWhatIf(*options); }; });
 }
 
 }  // namespace strainwave::bench

@@ -16,7 +16,7 @@ namespace health = analysis::health;
 
 double Cut(double value) { return std::clamp(value, 0.0, 1.0); }
 
-void PrintTable(const analysis::statistics::VarianceTable& table, const char* of) {
+void PrintVariance(const analysis::statistics::VarianceTable& table, const char* of) {
   ToStdout("\nanalysis of variance of {} ({})\n  {:<16} {:>12} {:>4} {:>9} {:>9} {:>7} {:>8}\n", of,
            NameOf(table.type), "source", "sum of sq.", "df", "F", "p", "eta²", "partial");
   for (const auto& row : table.rows) {
@@ -71,9 +71,10 @@ void PrintHealthTraining(const HealthData& data, const HealthJob& job, const Hea
   }
   ToStdout("intervals hold {:.0f} % of cycles of units and conditions that were left out\n",
            100.0 * job.coverage);
-  if (outcome.variance.recordings) PrintTable(*outcome.variance.recordings, "system_rms");
+  if (outcome.variance.recordings) PrintVariance(*outcome.variance.recordings, "system_rms");
   if (outcome.variance.units)
-    PrintTable(*outcome.variance.units, "the means of units: what recordings of one unit share is no error");
+    PrintVariance(*outcome.variance.units,
+                  "the means of units: what recordings of one unit share is no error");
   if (outcome.system) {
     const SystemModel& system = *outcome.system;
     const auto& parameters = system.surface.parameters();

@@ -11,7 +11,6 @@
 #include "bench/errors/bench_error.h"
 #include "bench/health/motor_records.h"
 #include "bench/prediction/measurement_paths.h"
-#include "bench/prediction/recipe_inputs.h"
 
 namespace strainwave::bench {
 namespace {
@@ -49,11 +48,12 @@ double Normal(std::mt19937_64& engine) {
 // Draws of the health within its interval, and of the surface there.
 health::Bounded SystemOf(const SystemModel& system, const std::vector<health::Bounded>& of_components,
                          double quantile, health::IntervalOf interval) {
-  constexpr Eigen::Index kDraws = 2000;
+  // Each draw costs the square of the number of places that were measured.
+  const Eigen::Index draws_in_all = system.surface.data().places.rows() > 100 ? 200 : 2000;
   const auto n = static_cast<Eigen::Index>(of_components.size());
   std::mt19937_64 engine(1);
-  Eigen::MatrixXd places(kDraws + 1, n);
-  for (Eigen::Index i = 0; i <= kDraws; ++i) {
+  Eigen::MatrixXd places(draws_in_all + 1, n);
+  for (Eigen::Index i = 0; i <= draws_in_all; ++i) {
     for (Eigen::Index c = 0; c < n; ++c) {
       const health::Bounded& one = of_components[static_cast<std::size_t>(c)];
       const double deviation = 0.5 * (one.high - one.low) / quantile;
@@ -66,7 +66,7 @@ health::Bounded SystemOf(const SystemModel& system, const std::vector<health::Bo
     const analysis::statistics::GaussianProcess& surface = system.surface;
     const double noise =
         interval == health::IntervalOf::kMeasurement ? surface.parameters().noise_variance : 0.0;
-    for (Eigen::Index i = 0; i <= kDraws; ++i) {
+    for (Eigen::Index i = 0; i <= draws_in_all; ++i) {
       const analysis::statistics::Posterior one = surface.At(places.row(i));
       const double value = system.scale.Index(one.mean(0));
       const double deviation =
@@ -95,15 +95,15 @@ bool NearFailedCondition(const HealthModel& model, const Eigen::VectorXd& state)
   return nearest(model.failed) < nearest(measured);
 }
 
-HealthAssessment AssessHealth(const HealthModel& model, const std::filesystem::path& file,
-                              health::IntervalOf interval) {
+HealthAssessment AssessHealth(const HealthModel& model, const RecordReader& reader,
+                              const std::filesystem::path& file, health::IntervalOf interval) {
   const FeatureRecipe& recipe = model.predictor.recipe;
   analysis::features::PacketFeatures features(recipe.features.packets);
   const std::vector<Eigen::Index> places = PlacesOf(model, features);
   HealthAssessment result;
   result.file = file.string();
   std::vector<Eigen::MatrixXd> parts;
-  for (MotorFeatures& record : FeaturesOfMotorFile(file, features, recipe.sample_rate_hz)) {
+  for (MotorFeatures& record : FeaturesOfMotorFile(reader, file, features, recipe.sample_rate_hz)) {
     parts.push_back(record.values(Eigen::all, places));
     result.cycles += record.values.rows();
     result.warnings.insert(result.warnings.end(), record.warnings.begin(), record.warnings.end());

@@ -8,6 +8,7 @@
 
 #include "analysis/health/what_if.h"
 #include "bench/health/health_file.h"
+#include "bench/records/record_reader.h"
 
 namespace strainwave::bench {
 
@@ -26,8 +27,8 @@ struct HealthAssessment {
 
 /// The system's interval holds the uncertainty of the surface, of a new measurement where that is asked for,
 /// and of the components' health, by draws of a fixed seed.
-HealthAssessment AssessHealth(const HealthModel& model, const std::filesystem::path& file,
-                              analysis::health::IntervalOf interval);
+HealthAssessment AssessHealth(const HealthModel& model, const RecordReader& reader,
+                              const std::filesystem::path& file, analysis::health::IntervalOf interval);
 
 /// The record files that a user named: files, the files that `labels.csv` of a folder names, else all .csv,
 /// .h5 and .hdf5 files below a folder.

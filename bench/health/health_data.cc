@@ -196,8 +196,8 @@ void AddWarnings(std::vector<RecordWarning>& all, std::map<std::string, std::siz
 
 }  // namespace
 
-HealthData ReadHealthData(const std::filesystem::path& folder, const analysis::features::PacketRecipe& recipe,
-                          const HealthProgress& progress) {
+HealthData ReadHealthData(const RecordReader& reader, const std::filesystem::path& folder,
+                          const analysis::features::PacketRecipe& recipe, const HealthProgress& progress) {
   const Labels labels = ReadLabels(folder);
   HealthData data;
   data.folder = folder;
@@ -226,7 +226,7 @@ HealthData ReadHealthData(const std::filesystem::path& folder, const analysis::f
     const Labels::Row& row = labels.rows()[r];
     progress("reading " + row.name, static_cast<double>(r) / static_cast<double>(labels.rows().size()));
     data.files.push_back(row.name);
-    for (MotorFeatures& record : FeaturesOfMotorFile(row.file, features, {})) {
+    for (MotorFeatures& record : FeaturesOfMotorFile(reader, row.file, features, {})) {
       if (records.empty()) {
         data.sample_rate_hz = record.sample_rate_hz;
         data.cut = record.cut;
@@ -237,6 +237,11 @@ HealthData ReadHealthData(const std::filesystem::path& folder, const analysis::f
       data.shortest = std::min(data.shortest, record.shortest);
       data.longest = std::max(data.longest, record.longest);
       AddWarnings(data.warnings, told, record.warnings);
+      constexpr std::size_t kMostExamples = 16;
+      if (data.examples.size() < kMostExamples &&
+          std::ranges::find(data.examples, condition[r], &MotorExample::condition) == data.examples.end())
+        data.examples.push_back({condition[r], std::move(record.first_cycle)});
+      record.first_cycle.clear();
       cycles += static_cast<std::size_t>(record.values.rows());
       records.push_back(std::move(record));
       row_of_record.push_back(r);

@@ -10,6 +10,7 @@
 
 #include "analysis/features/packet_features.h"
 #include "analysis/prediction/samples.h"
+#include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
 
 namespace strainwave::bench {
@@ -19,6 +20,12 @@ struct SystemValue {
   Eigen::VectorXd health;  // one a component
   int unit{};
   double value{};
+};
+
+/// The signals of a cycle, for pictures.
+struct MotorExample {
+  int condition{};
+  std::vector<std::vector<double>> channels;
 };
 
 /// A data set of cycles whose components' health is known.
@@ -32,8 +39,9 @@ struct HealthData {
   Eigen::MatrixXd conditions;  // all that there are × components
   std::vector<std::string> units;
   std::vector<std::string> files;
-  std::vector<SystemValue> system;  // none where it was not measured
-  Eigen::MatrixXd failed;           // conditions that the system did not survive × components
+  std::vector<SystemValue> system;     // none where it was not measured
+  Eigen::MatrixXd failed;              // conditions that the system did not survive × components
+  std::vector<MotorExample> examples;  // a cycle of each condition, of sixteen at most
   analysis::features::PacketRecipe recipe;
   double sample_rate_hz{};
   std::size_t shortest{};  // cycle, in rows
@@ -58,7 +66,7 @@ using HealthProgress = std::function<void(const std::string& step, double share)
 ///
 /// @throws BenchError with the place in the table: health out of range, a component that does not change, or
 ///   that changes with the others alone, one condition only; as FeaturesOfMotorFile; records of two rates.
-HealthData ReadHealthData(const std::filesystem::path& folder, const analysis::features::PacketRecipe& recipe,
-                          const HealthProgress& progress);
+HealthData ReadHealthData(const RecordReader& reader, const std::filesystem::path& folder,
+                          const analysis::features::PacketRecipe& recipe, const HealthProgress& progress);
 
 }  // namespace strainwave::bench

@@ -15,7 +15,6 @@
 #include "bench/errors/bench_error.h"
 #include "bench/prediction/record_features.h"
 #include "bench/records/record_refusal.h"
-#include "daq/read_records.h"
 
 namespace strainwave::bench {
 namespace {
@@ -77,6 +76,7 @@ MotorFeatures FeaturesOf(const daq::Record& record, analysis::features::PacketFe
     result.longest = std::max(result.longest, cycle.count);
     for (std::size_t c = 0; c < channels.size(); ++c) {
       const auto samples = std::span<const double>(channels[c]).subspan(cycle.begin, cycle.count);
+      if (k == 0) result.first_cycle.emplace_back(samples.begin(), samples.end());
       const auto [low, high] = std::ranges::minmax(samples);
       if (!(high > low))
         throw RecordRefusal(record,
@@ -96,12 +96,12 @@ MotorFeatures FeaturesOf(const daq::Record& record, analysis::features::PacketFe
 
 }  // namespace
 
-std::vector<MotorFeatures> FeaturesOfMotorFile(const std::filesystem::path& path,
+std::vector<MotorFeatures> FeaturesOfMotorFile(const RecordReader& reader, const std::filesystem::path& path,
                                                analysis::features::PacketFeatures& features,
                                                std::optional<double> sample_rate_hz) {
   std::vector<MotorFeatures> all;
   std::set<std::string> kinds;
-  for (const daq::Record& record : daq::ReadRecords(path)) {
+  for (const daq::Record& record : reader.Read(path)) {
     if (record.kind != daq::RecordKind::kMotor) {
       kinds.insert(std::string(record.kind.name()));
       continue;

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "analysis/features/packet_features.h"
+#include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
 
 namespace strainwave::bench {
@@ -25,9 +26,10 @@ struct MotorFeatures {
   double sample_rate_hz{};
   std::size_t shortest{};  // cycle, in rows
   std::size_t longest{};
-  Eigen::MatrixXd values;  // cycles × features
-  std::string cut;         // how, in words
-  std::size_t floored{};   // logarithms of coefficients that are zero
+  Eigen::MatrixXd values;                        // cycles × features
+  std::string cut;                               // how, in words
+  std::size_t floored{};                         // logarithms of coefficients that are zero
+  std::vector<std::vector<double>> first_cycle;  // its channels, for pictures
   std::vector<RecordWarning> warnings;
 };
 
@@ -35,7 +37,7 @@ struct MotorFeatures {
 /// current and velocity.
 /// @throws BenchError, RecordError: a file of another kind, of another rate than `sample_rate_hz` (to a
 ///   hundredth, where it is given), uneven in time, or with a cycle that is too short.
-std::vector<MotorFeatures> FeaturesOfMotorFile(const std::filesystem::path& path,
+std::vector<MotorFeatures> FeaturesOfMotorFile(const RecordReader& reader, const std::filesystem::path& path,
                                                analysis::features::PacketFeatures& features,
                                                std::optional<double> sample_rate_hz);
 

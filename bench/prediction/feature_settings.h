@@ -24,7 +24,7 @@ struct FeatureSettings {
   FeatureSet set{FeatureSet::kWavelet};
   analysis::features::WaveletRecipe wavelet;
   analysis::features::OrderBands orders;
-  analysis::features::PacketRecipe packets;
+  analysis::features::PacketRecipe packets{};
 };
 
 /// Features of one channel after another, of whichever set. Keeps its memory; one object a thread.

@@ -17,10 +17,11 @@ namespace strainwave::bench {
 namespace {
 
 // One row a study; the folder has a file for each.
-constexpr std::array<Study, 1> kStudies{
+constexpr std::array<Study, 2> kStudies{
     {{"wafer_robot",
       "motor records of a robot's axis with a worn harmonic drive and timing belt, for `health`",
-      MakeWaferRobot}}};
+      MakeWaferRobot},
+     {"wafer_robot_slow", "the same with slower moves", MakeSlowWaferRobot}}};
 
 }  // namespace
 

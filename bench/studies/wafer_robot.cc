@@ -95,14 +95,14 @@ Assembly DrawAssembly(std::size_t hd, std::size_t tb, std::uint64_t seed) {
 }
 
 // A cycle of it: the controller's clock and the temperature wander.
-model::WaferCycle CycleOf(const Assembly& assembly, std::uint64_t seed) {
+model::WaferCycle CycleOf(const Assembly& assembly, double move_s, std::uint64_t seed) {
   Draw draw(seed);
   model::WaferAxis axis = assembly.axis;
   axis.temperature_degC += 0.5 * draw.Normal();
   const double friction = draw.Factor(0.02);
   axis.friction.coulomb_Nm *= friction;
   model::WaferMotion motion;
-  motion.move_s *= draw.Factor(0.01);
+  motion.move_s = move_s * draw.Factor(0.01);
   motion.first_start_s += 0.004 * draw.Normal();
   motion.second_start_s += 0.004 * draw.Normal();
   motion.cycle_s = 2.4 + 0.02 * draw.Normal();
@@ -138,9 +138,7 @@ std::string HealthText(std::size_t level, std::size_t most) {
   return daq::ShortestText(std::round(1e4 * static_cast<double>(level) / static_cast<double>(most)) / 1e4);
 }
 
-}  // namespace
-
-StudySummary MakeWaferRobot(const StudySettings& settings) {
+StudySummary MakeRobots(const StudySettings& settings, double move_s) {
   const int units = settings.units.value_or(kUnits);
   std::vector<Job> jobs;
   for (std::size_t hd = 0; hd < kWornShares.size(); ++hd) {
@@ -160,14 +158,15 @@ StudySummary MakeWaferRobot(const StudySettings& settings) {
     const Assembly assembly = DrawAssembly(job.hd, job.tb, SeedOf(settings.seed, condition, number, 0));
     // Vibration is of other cycles than the motor's records.
     for (std::size_t i = 0; i < job.rms.size() && !job.failed; ++i) {
-      const model::WaferCycle cycle = CycleOf(assembly, SeedOf(settings.seed, condition, number, 1000 + i));
+      const model::WaferCycle cycle =
+          CycleOf(assembly, move_s, SeedOf(settings.seed, condition, number, 1000 + i));
       job.rms[i] = cycle.vertical_rms_m_per_s2;
       job.failed = cycle.failed;
     }
     for (int i = 0; i < kCycles; ++i) {
       if (!job.failed) {
-        model::WaferCycle cycle =
-            CycleOf(assembly, SeedOf(settings.seed, condition, number, 1 + static_cast<std::uint64_t>(i)));
+        model::WaferCycle cycle = CycleOf(
+            assembly, move_s, SeedOf(settings.seed, condition, number, 1 + static_cast<std::uint64_t>(i)));
         job.failed = cycle.failed;
         const std::string name =
             fmt::format("records/hd{}_tb{}_{}_{:03}.csv", job.hd, job.tb, job.unit + 1, i + 1);
@@ -205,6 +204,16 @@ StudySummary MakeWaferRobot(const StudySettings& settings) {
     }
   }
   return labels.Write(settings.out);
+}
+
+}  // namespace
+
+StudySummary MakeWaferRobot(const StudySettings& settings) {
+  return MakeRobots(settings, model::WaferMotion{}.move_s);
+}
+
+StudySummary MakeSlowWaferRobot(const StudySettings& settings) {
+  return MakeRobots(settings, 1.5 * model::WaferMotion{}.move_s);
 }
 
 }  // namespace strainwave::bench

@@ -11,5 +11,7 @@ namespace strainwave::bench {
 /// friction, stiffness, phase and size of what was cut, cycles in temperature and speed. The worst condition
 /// fails: `failed_conditions.csv`.
 StudySummary MakeWaferRobot(const StudySettings& settings);
+/// The same with moves that take half as long again: another motion profile.
+StudySummary MakeSlowWaferRobot(const StudySettings& settings);
 
 }  // namespace strainwave::bench

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/features/packet_features.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -168,18 +170,12 @@ TEST(PacketFeatures, EqualNumPysOnTheGoldenFile) {
   for (const char* path : {"aaa", "aad", "ada", "add", "daa", "dad", "dda", "ddd"}) {
     const auto values = golden.at("bands").at(path).get<std::vector<double>>();
     // Those that are defined alike there: moments there are of the population.
-    for (const auto& [theirs, ours] : {std::pair{"mean", 1},
-                                       {"rms", 3},
-                                       {"peak", 10},
-                                       {"peak_to_peak", 11},
-                                       {"crest", 7},
-                                       {"shape", 6},
-                                       {"impulse", 8},
-                                       {"clearance", 9},
-                                       {"energy", 0}}) {
+    constexpr std::pair<const char*, std::size_t> kAlike[] = {
+        {"mean", 1},  {"rms", 3},     {"peak", 10},     {"peak_to_peak", 11}, {"crest", 7},
+        {"shape", 6}, {"impulse", 8}, {"clearance", 9}, {"energy", 0}};
+    for (const auto& [theirs, ours] : kAlike) {
       const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), theirs) - names.begin());
-      EXPECT_NEAR(out[leaf * kBandFeatures + static_cast<std::size_t>(ours)], values.at(at),
-                  1e-9 * std::max(1.0, values[at]))
+      EXPECT_NEAR(out[leaf * kBandFeatures + ours], values.at(at), 1e-9 * std::max(1.0, values[at]))
           << path << " " << theirs;
     }
     ++leaf;
