@@ -63,7 +63,7 @@ nlohmann::ordered_json FeaturesReport(const daq::Record& record, const FeaturesC
   RecordFeatures values = FeaturesOfRecord(record, channel_features);
   if (!command.json) {
     ToStdout("{}{}{}\n", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
-    if (channel_features.settings().set == FeatureSet::kOrders) {
+    if (channel_features.settings().set != FeatureSet::kWavelet) {
       for (std::size_t i = 0; i < values.names.size(); ++i) {
         ToStdout("  {:<50} {:>11.5g}\n", values.names[i], values.values[i]);
       }

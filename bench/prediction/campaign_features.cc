@@ -225,7 +225,7 @@ void Append(CampaignFeatures& all, const std::vector<int>& cycles, std::vector<C
 }  // namespace
 
 std::filesystem::path FeaturesFile(const std::filesystem::path& folder, FeatureSet set) {
-  return folder / (set == FeatureSet::kWavelet ? "features.h5" : "features_orders.h5");
+  return folder / (set == FeatureSet::kWavelet ? "features.h5" : fmt::format("features_{}.h5", NameOf(set)));
 }
 
 CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const FeatureSettings& settings,

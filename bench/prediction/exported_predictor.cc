@@ -69,7 +69,9 @@ void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem
 
 OutputsAre WhatOutputsAre(const FeatureRecipe& recipe, OnnxNetwork::Predicts predicts) {
   if (predicts == OnnxNetwork::Predicts::kClasses) return OutputsAre::kClasses;
-  return recipe.baseline_records > 0 ? OutputsAre::kChanges : OutputsAre::kValues;
+  // The health of a component may be next to nothing, too.
+  const bool near_zero = recipe.baseline_records > 0 || recipe.features.set == FeatureSet::kPackets;
+  return near_zero ? OutputsAre::kChanges : OutputsAre::kValues;
 }
 
 Eigen::ArrayXd ComparedOver(OutputsAre what, const Eigen::RowVectorXd& value,

@@ -28,6 +28,13 @@ FeatureSettings SettingsFrom(const Json& json) {
     Require(settings.orders.edges.size() >= 2, "edges has fewer than two orders");
     return settings;
   }
+  if (settings.set == FeatureSet::kPackets) {
+    settings.packets = {.wavelet = json.at("wavelet").get<std::string>(),
+                        .border = analysis::wavelets::BorderOf(json.at("mode").get<std::string>()),
+                        .levels = json.at("levels").get<int>(),
+                        .normalised_entropy = json.value("normalised_entropy", false)};
+    return settings;
+  }
   settings.wavelet = {.wavelet = json.at("wavelet").get<std::string>(),
                       .border = analysis::wavelets::BorderOf(json.at("mode").get<std::string>()),
                       .levels = json.at("levels").get<int>()};
@@ -40,6 +47,12 @@ Json JsonOf(const FeatureRecipe& recipe) {
   Json json{{"set", NameOf(recipe.features.set)}};
   if (recipe.features.set == FeatureSet::kOrders) {
     json["edges"] = recipe.features.orders.edges;
+  } else if (recipe.features.set == FeatureSet::kPackets) {
+    json["wavelet"] = recipe.features.packets.wavelet;
+    json["mode"] = analysis::wavelets::NameOf(recipe.features.packets.border);
+    json["levels"] = recipe.features.packets.levels;
+    json["normalised_entropy"] = recipe.features.packets.normalised_entropy;
+    json["coefficients"] = "packets";
   } else {
     json["wavelet"] = recipe.features.wavelet.wavelet;
     json["mode"] = analysis::wavelets::NameOf(recipe.features.wavelet.border);

@@ -11,32 +11,61 @@ namespace strainwave::bench {
 
 namespace features = analysis::features;
 
-std::string_view NameOf(FeatureSet set) { return set == FeatureSet::kWavelet ? "wavelet" : "orders"; }
+std::string_view NameOf(FeatureSet set) {
+  switch (set) {
+    case FeatureSet::kWavelet:
+      return "wavelet";
+    case FeatureSet::kOrders:
+      return "orders";
+    case FeatureSet::kPackets:
+      break;
+  }
+  return "packets";
+}
 
 FeatureSet FeatureSetOf(std::string_view name) {
-  for (const FeatureSet set : {FeatureSet::kWavelet, FeatureSet::kOrders}) {
+  for (const FeatureSet set : {FeatureSet::kWavelet, FeatureSet::kOrders, FeatureSet::kPackets}) {
     if (name == NameOf(set)) return set;
   }
-  throw std::invalid_argument(fmt::format("set = '{}' is not known (expected wavelet or orders)", name));
+  throw std::invalid_argument(
+      fmt::format("set = '{}' is not known (expected wavelet, orders or packets)", name));
 }
 
 ChannelFeatures::ChannelFeatures(FeatureSettings settings)
-    : settings_(std::move(settings)), by_wavelet_(settings_.wavelet) {}
+    : settings_(std::move(settings)), by_wavelet_(settings_.wavelet), by_packet_(settings_.packets) {}
 
 std::size_t ChannelFeatures::CountPerChannel() const {
-  return settings_.set == FeatureSet::kWavelet ? by_wavelet_.CountPerChannel()
-                                               : settings_.orders.edges.size() - 1;
+  switch (settings_.set) {
+    case FeatureSet::kWavelet:
+      return by_wavelet_.CountPerChannel();
+    case FeatureSet::kOrders:
+      return settings_.orders.edges.size() - 1;
+    case FeatureSet::kPackets:
+      break;
+  }
+  return by_packet_.CountPerChannel();
 }
 
 std::vector<std::string> ChannelFeatures::Names(std::span<const std::string> channels) const {
-  return settings_.set == FeatureSet::kWavelet ? by_wavelet_.Names(channels)
-                                               : features::OrderBandNames(channels, settings_.orders);
+  switch (settings_.set) {
+    case FeatureSet::kWavelet:
+      return by_wavelet_.Names(channels);
+    case FeatureSet::kOrders:
+      return features::OrderBandNames(channels, settings_.orders);
+    case FeatureSet::kPackets:
+      break;
+  }
+  return by_packet_.Names(channels);
 }
 
 void ChannelFeatures::Compute(std::span<const double> signal, std::optional<double> samples_per_turn,
                               std::span<double> out) {
   if (settings_.set == FeatureSet::kWavelet) {
     by_wavelet_.Compute(signal, out);
+    return;
+  }
+  if (settings_.set == FeatureSet::kPackets) {
+    by_packet_.Compute(signal, out);
     return;
   }
   if (!samples_per_turn) {

@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "analysis/features/order_bands.h"
+#include "analysis/features/packet_features.h"
 #include "analysis/features/wavelet_features.h"
 
 namespace strainwave::bench {
 
-enum class FeatureSet { kWavelet, kOrders };
+enum class FeatureSet { kWavelet, kOrders, kPackets };
 
 std::string_view NameOf(FeatureSet set);
-/// @throws std::invalid_argument for another name than `wavelet` and `orders`.
+/// @throws std::invalid_argument for another name than `wavelet`, `orders` and `packets`.
 FeatureSet FeatureSetOf(std::string_view name);
 
 /// What the series of a channel is told by.
@@ -23,6 +24,7 @@ struct FeatureSettings {
   FeatureSet set{FeatureSet::kWavelet};
   analysis::features::WaveletRecipe wavelet;
   analysis::features::OrderBands orders;
+  analysis::features::PacketRecipe packets{};
 };
 
 /// Features of one channel after another, of whichever set. Keeps its memory; one object a thread.
@@ -33,7 +35,7 @@ class ChannelFeatures {
 
   const FeatureSettings& settings() const { return settings_; }
   std::size_t CountPerChannel() const;
-  /// `CHANNEL.aLEVEL.COLUMN` or `CHANNEL.orders.LOW_HIGH`.
+  /// `CHANNEL.aLEVEL.COLUMN`, `CHANNEL.orders.LOW_HIGH` or `CHANNEL.PATH.FEATURE`.
   std::vector<std::string> Names(std::span<const std::string> channels) const;
 
   /// @param samples_per_turn  of the input shaft; only energies by order need it.
@@ -44,6 +46,7 @@ class ChannelFeatures {
  private:
   FeatureSettings settings_;
   analysis::features::WaveletFeatures by_wavelet_;
+  analysis::features::PacketFeatures by_packet_;
 };
 
 }  // namespace strainwave::bench

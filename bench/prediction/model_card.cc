@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/prediction/model_card.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -32,10 +34,27 @@ std::string SearchText(const Json& training) {
                      training.at("search").size());
 }
 
+// Where outputs may be zero, of which nothing is a percentage.
+std::string RmseText(const Json& split, const Predictor& predictor) {
+  std::string text =
+      fmt::format("Root mean square error:\n\n| | {} |\n", fmt::join(predictor.outputs, " | ")) +
+      Rule(predictor.outputs.size() + 1);
+  constexpr std::pair<const char*, const char*> kRows[] = {
+      {"rmse", "network"}, {"ridge_rmse", "ridge"}, {"mean_rmse", "mean"}};
+  for (const auto& [key, name] : kRows) {
+    text += fmt::format("| {}", name);
+    for (const std::string& output : predictor.outputs)
+      text += fmt::format(" | {:.4f}", split.at(key).at(output).get<double>());
+    text += " |\n";
+  }
+  return text;
+}
+
 std::string SplitText(const Json& split, const Predictor& predictor) {
   std::string text = fmt::format("\n## Error on {}\n\n{}; trained on {}, tested on {} records. ",
                                  split.at("split").get<std::string>(), split.at("meaning").get<std::string>(),
                                  split.at("train").get<std::size_t>(), split.at("test").get<std::size_t>());
+  if (split.contains("rmse")) return text + RmseText(split, predictor);
   if (predictor.classes()) {
     text += "Accuracy in percent:\n\n| | accuracy |\n" + Rule(2);
     for (const auto& [name, scores] : split.at("scores").items()) {
@@ -112,11 +131,12 @@ Json CardJson(const Predictor& predictor, const std::string& date) {
 std::string CardText(const Predictor& predictor, const Json& card) {
   const Json& training = card.at("training");
   std::string text = fmt::format(
-      "# Predictor of {}\n\nFrom vibration ({} at {:g} Hz{}, features: {}, at least {} samples). Exported "
+      "# Predictor of {}\n\nFrom {} ({} at {:g} Hz{}, features: {}, at least {} samples). Exported "
       "{}.\n\n{}"
       "## Trained on\n\n| source | specimen | records |\n| --- | --- | --- |\n",
       predictor.classes() ? fmt::format("the class: {}", fmt::join(predictor.outputs, ", "))
                           : fmt::format("{}", fmt::join(predictor.outputs, ", ")),
+      predictor.recipe.features.set == FeatureSet::kPackets ? "motor signals" : "vibration",
       fmt::join(predictor.recipe.channels, ", "), predictor.recipe.sample_rate_hz,
       WindowText(predictor.recipe.window), NameOf(predictor.recipe.features.set),
       predictor.recipe.least_samples, card.at("exported_utc").get<std::string>(), WorthText(training));

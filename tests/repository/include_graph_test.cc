@@ -41,6 +41,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"records"},
                                                          {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},
+                                                         {"health", "faults", "fingerprint"},
                                                          {"monitor", "page"},
                                                          {"notices"},
                                                          {"predictor_api"},
