@@ -35,5 +35,6 @@ void AddConvert(CLI::App& app, Action& action);
 void AddTable(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
+void AddFaults(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

@@ -83,6 +83,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddPredict(app, action);
   strainwave::bench::AddExport(app, action);
   strainwave::bench::AddMonitor(app, action);
+  strainwave::bench::AddFaults(app, action);
   std::ostringstream results;
   std::ostringstream words;
   int code = 0;

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/errors/bench_error.h"
+#include "bench/studies/joint_bearing.h"
 #include "daq/data_file_error.h"
 #include "daq/whole_file.h"
 
@@ -16,7 +17,9 @@ namespace strainwave::bench {
 namespace {
 
 // One row a study; the folder has a file for each.
-constexpr std::array<Study, 0> kStudies{};
+constexpr std::array<Study, 1> kStudies{
+    {{"joint_bearing", "a robot's joint to and fro, three accelerometers; faults of a bearing (`faults`)",
+      MakeJointBearing}}};
 
 }  // namespace
 

@@ -41,6 +41,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"records"},
                                                          {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},
+                                                         {"faults", "health", "fingerprint"},
                                                          {"monitor", "notices", "page"},
                                                          {"predictor_api"},
                                                          {"commands"}};
