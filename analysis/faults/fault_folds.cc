@@ -49,7 +49,9 @@ FaultFolds FoldsOf(const std::vector<int>& fold_of_row, int folds, const Eigen::
     for (std::size_t i = 0; i < fold_of_row.size(); ++i)
       (fold_of_row[i] == fold ? split.test : split.train).push_back(static_cast<Eigen::Index>(i));
     const std::vector<bool> taught = Taught(targets, split.train);
-    const bool teaches = std::ranges::find(taught, true) != taught.end();
+    // Fewer rows have no covariance that tells what lies outside.
+    constexpr std::size_t kFewestRows = 3;
+    const bool teaches = split.train.size() >= kFewestRows && std::ranges::find(taught, true) != taught.end();
     const auto [begin, end] = std::ranges::stable_partition(
         split.test, [&](Eigen::Index row) { return teaches && IsTaught(PatternOf(targets, row), taught); });
     result.untested.insert(result.untested.end(), begin, end);

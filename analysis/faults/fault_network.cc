@@ -171,6 +171,14 @@ FaultCrossFit CrossFitFaults(const prediction::Samples& samples, const FaultFold
   return all;
 }
 
+double DistanceKeptOutside(const FaultCrossFit& cross) {
+  std::vector<Eigen::Index> tested;
+  for (Eigen::Index row = 0; row < cross.distance.size(); ++row) {
+    if (std::isfinite(cross.distance(row))) tested.push_back(row);
+  }
+  return tested.empty() ? 1.0 : std::max(1.0, prediction::DistanceKept(cross.distance(tested), kInside));
+}
+
 prediction::FittedPredictor FitFaults(const prediction::Samples& samples,
                                       const FaultNetworkSettings& settings, const FaultCrossFit& cross) {
   const Eigen::Index outputs = samples.targets.cols();
@@ -192,8 +200,7 @@ prediction::FittedPredictor FitFaults(const prediction::Samples& samples,
   fitted.residual = error.array().square().colwise().mean().sqrt().max(1e-300);
   // The limit by records that the covariance had not seen, as every later record is; in units of the
   // training's own deviations both measure alike.
-  const double kept = prediction::DistanceKept(cross.distance(tested), kInside);
-  fitted.novelty.limit *= std::max(1.0, kept);
+  fitted.novelty.limit *= DistanceKeptOutside(cross);
   return fitted;
 }
 

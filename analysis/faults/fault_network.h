@@ -64,6 +64,10 @@ FaultCrossFit CrossFitFaults(const prediction::Samples& samples, const FaultFold
                              const FaultNetworkSettings& settings, const ParallelFor& parallel,
                              const std::function<bool()>& done);
 
+/// How far the distances of records that were not seen reach beyond the limits of their folds: what 99 % of
+/// them keep, 1 at least.
+double DistanceKeptOutside(const FaultCrossFit& cross);
+
 /// On all samples, with what a cross-fit tells of its errors and of what lies outside.
 prediction::FittedPredictor FitFaults(const prediction::Samples& samples,
                                       const FaultNetworkSettings& settings, const FaultCrossFit& cross);

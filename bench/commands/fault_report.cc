@@ -96,11 +96,16 @@ void PrintFaultTraining(const FaultRecords& records, const FaultOutcome& outcome
            0.5 * records.sample_rate_hz,
            0.5 * records.sample_rate_hz / static_cast<double>(1LL << static_cast<unsigned>(details.levels)));
   PrintSplits(outcome);
-  ToStdout("undecided: {}less than {:g} from the next{}, or outside what was trained on\n",
-           records.labels.labels
-               ? "a probability "
-               : fmt::format("no class of probability {:g}, two ", outcome.model.rule.least_probability),
-           outcome.model.rule.least_margin, records.labels.labels ? " side of its threshold" : "");
+  const analysis::faults::UndecidedRule& rule = outcome.model.rule;
+  if (records.labels.labels) {
+    ToStdout("undecided: a probability within {:g} of its threshold, or outside what was trained on\n",
+             0.5 * rule.least_margin);
+  } else {
+    ToStdout(
+        "undecided: no class of probability {:g} or more, the first two less than {:g} apart, or outside "
+        "what was trained on\n",
+        rule.least_probability, rule.least_margin);
+  }
   PrintComparisons(outcome);
   for (const FaultSplit& split : outcome.splits) {
     const auto place = static_cast<std::size_t>(&split - outcome.splits.data());

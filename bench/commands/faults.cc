@@ -13,6 +13,7 @@
 #include "analysis/units.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/fault_report.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
@@ -37,6 +38,7 @@ struct FaultTrainCommand {
   std::string line{"ours"};
   std::string bearing;
   std::string plots;
+  std::string map;
   bool multi_label{};
   analysis::features::DetailRecipe details;
   FaultJob job;
@@ -47,6 +49,7 @@ struct FaultClassifyCommand {
   std::string model;
   std::vector<std::string> paths;
   std::optional<double> input_speed_rpm;
+  std::string map;
   std::string bearing;
   bool json{};
 };
@@ -103,9 +106,10 @@ analysis::RollingBearing BearingOf(const std::string& text) {
 
 // The pictures, and of one record its details.
 std::vector<fs::path> DrawAll(const FaultRecords& records, const FaultOutcome& outcome, const fs::path& data,
-                              const fs::path& folder) {
+                              const RecordReader& reader, const fs::path& folder) {
   std::vector<fs::path> pictures = DrawFaults(records, outcome, folder);
-  const std::vector<daq::Record> shown = ReadVibrationRecords(data / records.files.back());
+  const std::vector<daq::Record> shown =
+      ReadVibrationRecords(data / records.files.back(), MotorTorque::kAsRecorded, reader);
   pictures.push_back(DrawDetails(shown.front(), records.channels.front(), SampleRateOf_hz(shown.front()),
                                  records.tables.front().settings.details, folder / "details"));
   return pictures;
@@ -114,6 +118,7 @@ std::vector<fs::path> DrawAll(const FaultRecords& records, const FaultOutcome& o
 int TrainFaultModel(const FaultTrainCommand& command) {
   std::vector<LabelFilter> filters;
   for (const std::string& text : command.where) filters.push_back(LabelFilterOf(text));
+  const RecordReader reader(command.map);
   const Labels table = ReadLabels(command.folder);
   FaultLabels labels = FaultLabelsOf(
       table, filters, command.multi_label ? FaultTargets::kLabels : FaultTargets::kAsThere, command.splits);
@@ -129,12 +134,13 @@ int TrainFaultModel(const FaultTrainCommand& command) {
   ShareLine line;
   std::vector<std::string> wavelets = job.compare ? kWaveletsToCompare : std::vector<std::string>{};
   std::erase(wavelets, details.wavelet);
-  const FaultRecords records = ReadFaultRecords(
-      table, std::move(labels), details, wavelets, SpeedsOf(table), [&](std::size_t done, std::size_t all) {
-        line.Show(fmt::format("reading record {} of {}", done, all),
-                  kShareOfReading * static_cast<double>(done) / static_cast<double>(all));
-        return true;
-      });
+  const FaultRecords records =
+      ReadFaultRecords(table, std::move(labels), details, wavelets, SpeedsOf(table), reader,
+                       [&](std::size_t done, std::size_t all) {
+                         line.Show(fmt::format("reading record {} of {}", done, all),
+                                   kShareOfReading * static_cast<double>(done) / static_cast<double>(all));
+                         return true;
+                       });
   const FaultOutcome outcome =
       TrainFaults(command.folder, records, job, [&](const std::string& step, double share) {
         line.Show(step, kShareOfReading + (1.0 - kShareOfReading) * share);
@@ -142,7 +148,7 @@ int TrainFaultModel(const FaultTrainCommand& command) {
       });
   WriteFaultModel(command.out, outcome.model);
   std::vector<fs::path> pictures;
-  if (!command.plots.empty()) pictures = DrawAll(records, outcome, command.folder, command.plots);
+  if (!command.plots.empty()) pictures = DrawAll(records, outcome, command.folder, reader, command.plots);
   line.Clear();
   TellWarnings(records.warnings);
   if (command.json) {
@@ -180,6 +186,7 @@ std::vector<fs::path> RecordFilesOf(const std::vector<std::string>& paths) {
 int ClassifyFaults(const FaultClassifyCommand& command) {
   FaultModel model = ReadFaultModel(command.model);
   if (!command.bearing.empty()) model.bearing = BearingOf(command.bearing);
+  const RecordReader reader(command.map);
   const std::vector<fs::path> files = RecordFilesOf(command.paths);
   nlohmann::ordered_json verdicts = nlohmann::ordered_json::array();
   ShareLine line;
@@ -187,7 +194,7 @@ int ClassifyFaults(const FaultClassifyCommand& command) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     line.Show("classifying " + FileText(files[i]),
               static_cast<double>(i) / static_cast<double>(files.size()));
-    for (const daq::Record& record : ReadVibrationRecords(files[i])) {
+    for (const daq::Record& record : ReadVibrationRecords(files[i], MotorTorque::kAsRecorded, reader)) {
       TellWarnings(WarningsOf(record));
       const FaultVerdict verdict = Judge(model, record, command.input_speed_rpm);
       if (verdict.undecided) ++undecided;
@@ -267,6 +274,7 @@ void AddFaultTrain(CLI::App& faults, Action& action) {
   command->add_option("--plots", options->plots, "folder for pictures");
   command->add_option("--seed", options->job.network.seed, "of start values and random folds")
       ->capture_default_str();
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "the report as JSON on standard output");
   command->callback([options, &action] { action = [options] { return TrainFaultModel(*options); }; });
 }
@@ -283,6 +291,7 @@ void AddFaultClassify(CLI::App& faults, Action& action) {
   command->add_option("--input-speed", options->input_speed_rpm,
                       "rpm of the shaft, where a record does not tell it (input_speed_rpm)");
   command->add_option("--bearing", options->bearing, kBearingHelp);
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "an array with an object a record, on standard output");
   command->callback([options, &action] { action = [options] { return ClassifyFaults(*options); }; });
 }

@@ -101,6 +101,7 @@ FaultTable DetailsOf(const std::vector<Pending>& records, const features::Detail
   table.settings.set = FeatureSet::kDetails;
   table.settings.details = recipe;
   table.settings.details.levels = std::min(most, recipe.levels);
+  table.least_samples = std::ranges::min(records, {}, &Pending::samples).samples;
   table.names = features::DetailDeviations(table.settings.details).Names(channels);
   table.values = FirstOfEach(
       records, [which](const Pending& one) -> const std::vector<double>& { return one.details[which]; },
@@ -145,12 +146,20 @@ void AddOrders(const std::vector<Pending>& records, FaultRecords& result) {
     return;
   }
   std::size_t bands = std::numeric_limits<std::size_t>::max();
-  for (const Pending& one : records) bands = std::min(bands, one.by_order.size() / result.channels.size());
+  double turns = std::numeric_limits<double>::infinity();
+  double samples_per_turn = std::numeric_limits<double>::infinity();
+  for (const Pending& one : records) {
+    bands = std::min(bands, one.by_order.size() / result.channels.size());
+    turns = std::min(turns, (static_cast<double>(one.samples) + 1.0) / *one.samples_per_turn);
+    samples_per_turn = std::min(samples_per_turn, *one.samples_per_turn);
+  }
   FaultTable table;
   table.settings.set = FeatureSet::kEnvelopeOrders;
   table.settings.orders.edges = {0.25};
   for (std::size_t k = 0; k < bands; ++k)
     table.settings.orders.edges.push_back(0.75 + 0.5 * static_cast<double>(k));
+  table.turns = static_cast<int>(turns);
+  table.least_samples = static_cast<std::size_t>(table.turns * samples_per_turn);
   table.names = features::EnvelopeOrderNames(result.channels, table.settings.orders);
   table.values = FirstOfEach(
       records, [](const Pending& one) -> const std::vector<double>& { return one.by_order; },
@@ -213,7 +222,8 @@ std::optional<double> SamplesPerTurnOf(const daq::Record& record, double rate_hz
 
 FaultRecords ReadFaultRecords(const Labels& table, FaultLabels labels, const features::DetailRecipe& details,
                               const std::vector<std::string>& other_wavelets,
-                              const std::vector<double>& speed_rpm, const FaultReadingProgress& progress) {
+                              const std::vector<double>& speed_rpm, const RecordReader& reader,
+                              const FaultReadingProgress& progress) {
   std::vector<features::DetailRecipe> recipes{details};
   for (const std::string& wavelet : other_wavelets) {
     recipes.push_back(details);
@@ -232,7 +242,7 @@ FaultRecords ReadFaultRecords(const Labels& table, FaultLabels labels, const fea
     const Labels::Row& at = table.rows()[labels.rows[row]];
     std::optional<double> speed;
     if (!speed_rpm.empty()) speed = speed_rpm[labels.rows[row]];
-    for (const daq::Record& record : ReadVibrationRecords(at.file)) {
+    for (const daq::Record& record : ReadVibrationRecords(at.file, MotorTorque::kAsRecorded, reader)) {
       std::vector<RecordWarning> warnings = WarningsOf(record);
       std::ranges::move(warnings, std::back_inserter(result.warnings));
       auto pending = Take(record, row, speed, result);
@@ -246,7 +256,6 @@ FaultRecords ReadFaultRecords(const Labels& table, FaultLabels labels, const fea
   compute();
   result.labels = Kept(labels, records);
   RequireEnough(table, result);
-  result.least_samples = std::ranges::min(records, {}, &Pending::samples).samples;
   AddDetails(records, recipes, result);
   AddOrders(records, result);
   return result;

@@ -13,6 +13,7 @@
 #include "bench/data_sets/labels.h"
 #include "bench/faults/fault_labels.h"
 #include "bench/prediction/feature_recipe.h"
+#include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
 
 namespace strainwave::bench {
@@ -21,7 +22,9 @@ namespace strainwave::bench {
 struct FaultTable {
   FeatureSettings settings;
   std::vector<std::string> names;
-  Eigen::MatrixXd values;  // records × names
+  Eigen::MatrixXd values;       // records × names
+  int turns{};                  // of those by order: whole turns of the shortest record
+  std::size_t least_samples{};  // of a record; of those by order, of so many turns
 };
 
 /// What was read of the records.
@@ -31,7 +34,6 @@ struct FaultRecords {
   std::vector<std::string> channels;
   double sample_rate_hz{};
   bool decimates{};
-  std::size_t least_samples{};
   std::vector<FaultTable> tables;  // the deviations of details first; then, where speeds are known, by order
   std::vector<FaultTable> other_wavelets;
   std::vector<std::string> notes;  // what was left out or not used, and why
@@ -50,7 +52,8 @@ using FaultReadingProgress = std::function<bool(std::size_t done, std::size_t al
 FaultRecords ReadFaultRecords(const Labels& table, FaultLabels labels,
                               const analysis::features::DetailRecipe& details,
                               const std::vector<std::string>& other_wavelets,
-                              const std::vector<double>& speed_rpm, const FaultReadingProgress& progress);
+                              const std::vector<double>& speed_rpm, const RecordReader& reader,
+                              const FaultReadingProgress& progress);
 
 /// Turns of the shaft in samples at a rate, where the record or the caller knows a steady speed.
 std::optional<double> SamplesPerTurnOf(const daq::Record& record, double rate_hz,

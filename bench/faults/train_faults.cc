@@ -114,8 +114,8 @@ FeatureRecipe RecipeOf(const FaultRecords& records, const FaultTable& table) {
           .channels = records.channels,
           .sample_rate_hz = records.sample_rate_hz,
           .decimates = records.decimates,
-          .window = {},
-          .least_samples = records.least_samples,
+          .window = {.samples = 0, .turns = table.turns},
+          .least_samples = table.least_samples,
           .baseline_records = 0,
           .envelope = {},
           .inputs = table.names};
@@ -215,11 +215,16 @@ FaultTableResult TestFaultTable(const FaultRecords& records, const FaultTable& t
                                 const std::vector<FaultSplit>& splits, const FaultJob& job,
                                 const std::function<bool()>& done) {
   const prediction::Samples samples = SamplesOf(records, table);
-  FaultTableResult result{.set = table.settings.set, .splits = {}, .honest = 0.0};
+  std::vector<faults::FaultCrossFit> crosses;
   for (const FaultSplit& split : splits)
-    result.splits.push_back(
-        ScoresOf(records, split,
-                 faults::CrossFitFaults(samples, split.folds, job.network, OnAllProcessors, done), job.rule));
+    crosses.push_back(faults::CrossFitFaults(samples, split.folds, job.network, OnAllProcessors, done));
+  // What lies outside is judged as the model will do it: by the records of units left out.
+  const double kept = faults::DistanceKeptOutside(crosses[splits[1].folds.empty() ? 0 : 1]);
+  FaultTableResult result{.set = table.settings.set, .splits = {}, .honest = 0.0};
+  for (std::size_t k = 0; k < splits.size(); ++k) {
+    crosses[k].distance /= kept;
+    result.splits.push_back(ScoresOf(records, splits[k], crosses[k], job.rule));
+  }
   result.honest = HonestAccuracy(splits, result);
   return result;
 }
