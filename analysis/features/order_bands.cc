@@ -12,6 +12,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "analysis/arguments.h"
+#include "analysis/features/quick_length.h"
 #include "analysis/features/sums.h"
 
 namespace strainwave::analysis::features {
@@ -19,18 +20,6 @@ namespace {
 
 constexpr double kTurnsOfSegment = 16.0;
 constexpr double kFewestTurns = 4.0;
-
-// The largest even length up to this one that the transform is quick for.
-std::size_t QuickLength(std::size_t length) {
-  for (std::size_t size = length - length % 2; size > 2; size -= 2) {
-    std::size_t rest = size;
-    for (const std::size_t factor : {2U, 3U, 5U}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return size;
-  }
-  return 2;
-}
 
 // Mean square per line of the spectrum, of the mean of segments that overlap by half.
 std::vector<double> MeanSquares(std::span<const double> signal, std::size_t length) {
@@ -63,15 +52,30 @@ std::vector<double> MeanSquares(std::span<const double> signal, std::size_t leng
 
 }  // namespace
 
-std::vector<double> OrderBandEnergies(std::span<const double> signal, double samples_per_turn,
-                                      const OrderBands& bands) {
-  RequirePositive("samples_per_turn", samples_per_turn);
-  RequireFinite("signal", signal);
+std::size_t QuickLength(std::size_t length) {
+  for (std::size_t size = length - length % 2; size > 2; size -= 2) {
+    std::size_t rest = size;
+    for (const std::size_t factor : {2U, 3U, 5U}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return size;
+  }
+  return 2;
+}
+
+void RequireRisingEdges(const OrderBands& bands) {
   if (bands.edges.size() < 2 || !(bands.edges.front() >= 0.0) ||
       std::ranges::adjacent_find(bands.edges, [](double a, double b) { return !(a < b); }) !=
           bands.edges.end()) {
     throw std::invalid_argument("bands.edges is not a rising series of at least two orders from 0 up");
   }
+}
+
+std::vector<double> OrderBandEnergies(std::span<const double> signal, double samples_per_turn,
+                                      const OrderBands& bands) {
+  RequirePositive("samples_per_turn", samples_per_turn);
+  RequireFinite("signal", signal);
+  RequireRisingEdges(bands);
   const double turns = static_cast<double>(signal.size()) / samples_per_turn;
   if (turns < kFewestTurns) {
     throw std::invalid_argument(fmt::format(

@@ -15,6 +15,9 @@ struct OrderBands {
                             11.5, 12.5, 16.5, 24.5, 40.5, 64.5, 96.5, 144.5, 176.5, 240.5, 340.5};
 };
 
+/// @throws std::invalid_argument if there are fewer than two edges, one lies below 0, or they do not rise.
+void RequireRisingEdges(const OrderBands& bands);
+
 /// Mean square of the signal in each band of orders, from a mean of overlapping windowed spectra of about 16
 /// turns each (Welch, Hann window); the mean of the signal is taken off first. The energies of all bands that
 /// reach up to the Nyquist order add up to the variance of a stationary signal.

@@ -36,5 +36,6 @@ void AddTable(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
 void AddHealth(CLI::App& app, Action& action);
+void AddFaults(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

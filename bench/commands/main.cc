@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddExport(app, action);
   strainwave::bench::AddMonitor(app, action);
   strainwave::bench::AddHealth(app, action);
+  strainwave::bench::AddFaults(app, action);
   std::ostringstream results;
   std::ostringstream words;
   int code = 0;

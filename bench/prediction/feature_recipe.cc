@@ -23,7 +23,7 @@ void Require(bool holds, const char* what) {
 FeatureSettings SettingsFrom(const Json& json) {
   FeatureSettings settings;
   settings.set = FeatureSetOf(json.value("set", "wavelet"));
-  if (settings.set == FeatureSet::kOrders) {
+  if (IsByOrder(settings.set)) {
     settings.orders.edges = json.at("edges").get<std::vector<double>>();
     Require(settings.orders.edges.size() >= 2, "edges has fewer than two orders");
     return settings;
@@ -33,6 +33,13 @@ FeatureSettings SettingsFrom(const Json& json) {
                         .border = analysis::wavelets::BorderOf(json.at("mode").get<std::string>()),
                         .levels = json.at("levels").get<int>(),
                         .normalised_entropy = json.value("normalised_entropy", false)};
+    return settings;
+  }
+  if (settings.set == FeatureSet::kDetails) {
+    settings.details = {.wavelet = json.at("wavelet").get<std::string>(),
+                        .border = analysis::wavelets::BorderOf(json.at("mode").get<std::string>()),
+                        .levels = json.at("levels").get<int>(),
+                        .logarithm = json.at("logarithm").get<bool>()};
     return settings;
   }
   settings.wavelet = {.wavelet = json.at("wavelet").get<std::string>(),
@@ -45,7 +52,7 @@ FeatureSettings SettingsFrom(const Json& json) {
 
 Json JsonOf(const FeatureRecipe& recipe) {
   Json json{{"set", NameOf(recipe.features.set)}};
-  if (recipe.features.set == FeatureSet::kOrders) {
+  if (IsByOrder(recipe.features.set)) {
     json["edges"] = recipe.features.orders.edges;
   } else if (recipe.features.set == FeatureSet::kPackets) {
     json["wavelet"] = recipe.features.packets.wavelet;
@@ -53,6 +60,12 @@ Json JsonOf(const FeatureRecipe& recipe) {
     json["levels"] = recipe.features.packets.levels;
     json["normalised_entropy"] = recipe.features.packets.normalised_entropy;
     json["coefficients"] = "packets";
+  } else if (recipe.features.set == FeatureSet::kDetails) {
+    json["wavelet"] = recipe.features.details.wavelet;
+    json["mode"] = analysis::wavelets::NameOf(recipe.features.details.border);
+    json["levels"] = recipe.features.details.levels;
+    json["coefficients"] = "reconstructed details";
+    json["logarithm"] = recipe.features.details.logarithm;
   } else {
     json["wavelet"] = recipe.features.wavelet.wavelet;
     json["mode"] = analysis::wavelets::NameOf(recipe.features.wavelet.border);

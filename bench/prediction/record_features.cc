@@ -151,7 +151,7 @@ RecordFeatures FeaturesOfRecord(const daq::Record& record, ChannelFeatures& feat
   const std::size_t per_channel = features.CountPerChannel();
   RecordFeatures result{features.Names(channels), std::vector<double>(channels.size() * per_channel)};
   std::optional<double> samples_per_turn;
-  if (features.settings().set == FeatureSet::kOrders) {
+  if (IsByOrder(features.settings().set)) {
     const analysis::diagnosis::VibrationData data = VibrationDataOf(record);
     samples_per_turn =
         SampleRate(record, data.time_s) * kTwoPi / InputSpeed(record, data.input_speed_rad_per_s);
