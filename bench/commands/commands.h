@@ -33,5 +33,6 @@ void AddExport(CLI::App& app, Action& action);
 void AddMonitor(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
+void AddFingerprint(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

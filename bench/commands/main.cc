@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddPredict(app, action);
   strainwave::bench::AddExport(app, action);
   strainwave::bench::AddMonitor(app, action);
+  strainwave::bench::AddFingerprint(app, action);
   std::ostringstream results;
   std::ostringstream words;
   int code = 0;

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/errors/bench_error.h"
+#include "bench/studies/arm.h"
 #include "daq/data_file_error.h"
 #include "daq/whole_file.h"
 
@@ -16,7 +17,10 @@ namespace strainwave::bench {
 namespace {
 
 // One row a study; the folder has a file for each.
-constexpr std::array<Study, 0> kStudies{};
+constexpr std::array kStudies{
+    Study{"arm", "joints of robot arms with dragging brakes and worn reducers, for fingerprint",
+          MakeArmStudy},
+};
 
 }  // namespace
 
