@@ -7,14 +7,13 @@
 #include <variant>
 
 #include "analysis/networks/activation.h"
+#include "analysis/products.h"
 
 namespace strainwave::analysis::explanation {
 namespace {
 
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-Eigen::Map<const RowMajor> WeightsOf(const networks::Network::Stage& stage,
-                                     const networks::Vector<double>& parameters) {
+Eigen::Map<const NetworkGame::Rows> WeightsOf(const networks::Network::Stage& stage,
+                                              const networks::Vector<double>& parameters) {
   return {parameters.data() + stage.weights_begin, stage.output.size(), stage.input.size()};
 }
 
@@ -90,8 +89,11 @@ void NetworkGame::Value(PlayerSet players, double* outputs) {
   const std::vector<networks::Network::Stage>& stages = network_.stages();
   for (std::size_t s = 0; s < stages.size(); ++s) {
     if (s > 0) {
-      next_.noalias() = WeightsOf(stages[s], parameters_) * layer_;
-      next_.colwise() += BiasesOf(stages[s], parameters_);
+      const auto biases = BiasesOf(stages[s], parameters_);
+      next_ = biases.replicate(1, layer_.cols());
+      CombineRows<double>({parameters_.data() + stages[s].weights_begin, layer_.rows(), 1},
+                          {layer_.data(), layer_.cols()}, {next_.data(), next_.cols()}, next_.rows(),
+                          layer_.rows(), next_.cols(), Sum::kAdd);
       layer_.swap(next_);
     }
     networks::Activate(std::get<networks::Dense>(stages[s].layer).activation, layer_);

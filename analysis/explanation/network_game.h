@@ -25,8 +25,10 @@ inline constexpr std::size_t kMostPlayers = 64;
 /// kept: a coalition that differs from the last one by one player costs an addition in place of a product.
 class NetworkGame {
  public:
+  /// Values of units in rows, side by side for all background rows.
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   /// Changes outputs (outputs × background rows) before they are averaged: a softmax, for instance.
-  using Finish = std::function<void(Eigen::MatrixXd& outputs)>;
+  using Finish = std::function<void(Rows& outputs)>;
 
   /// @param groups      of input numbers, one a player, each input in one group at most; an input in none
   /// stays
@@ -52,12 +54,12 @@ class NetworkGame {
   std::vector<std::vector<Eigen::Index>> groups_;
   Eigen::MatrixXd background_;
   Finish finish_;
-  Eigen::MatrixXd start_;                 // the first layer's sums of the background
-  std::vector<Eigen::MatrixXd> changes_;  // by each player, of the sample
-  Eigen::MatrixXd sums_;                  // of `at_`
+  Rows start_;                 // the first layer's sums of the background
+  std::vector<Rows> changes_;  // by each player, of the sample
+  Rows sums_;                  // of `at_`
   PlayerSet at_{};
-  Eigen::MatrixXd layer_;
-  Eigen::MatrixXd next_;
+  Rows layer_;
+  Rows next_;
 };
 
 }  // namespace strainwave::analysis::explanation

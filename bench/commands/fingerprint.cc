@@ -14,6 +14,8 @@
 #include "bench/fingerprint/classify_file.h"
 #include "bench/fingerprint/fingerprint_file.h"
 #include "bench/fingerprint/fingerprint_json.h"
+#include "bench/fingerprint/fingerprint_pictures.h"
+#include "bench/plots/gnuplot.h"
 
 namespace strainwave::bench {
 namespace {
@@ -72,15 +74,26 @@ int TrainFingerprintModel(FingerprintTrainCommand command) {
   const nlohmann::ordered_json report = TrainingJsonOf(data, command.job, outcome);
   outcome.model->training_json = report.dump();
   WriteFingerprintModel(command.out, *outcome.model);
+  std::string picture_trouble;
+  std::vector<std::filesystem::path> pictures;
+  try {
+    pictures = DrawFingerprints(data, outcome, command.out);
+  } catch (const GnuplotError& error) {
+    picture_trouble = error.what();
+  }
   line.Clear();
   for (const auto& warning : report.at("warnings")) ToStderr("warning: {}\n", warning.get<std::string>());
   if (command.json) {
     ToStdout("{}\n", report.dump(2));
   } else {
     PrintFingerprintTraining(data, outcome);
-    ToStdout("\nmodel: {}\nnext: strainwave fingerprint classify {} RECORD\n", command.out, command.out);
+    ToStdout("\n");
+    for (const auto& picture : pictures) ToStdout("picture: {}.svg (and .png)\n", picture.string());
+    ToStdout("model: {}\nnext: strainwave fingerprint classify {} RECORD\n", command.out, command.out);
   }
-  return static_cast<int>(ExitCode::kDone);
+  if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
+  ToStderr("error: no pictures: {}\n", picture_trouble);
+  return static_cast<int>(ExitCode::kMachineFailed);
 }
 
 struct FingerprintClassifyCommand {

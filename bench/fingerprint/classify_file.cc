@@ -18,7 +18,7 @@ namespace explanation = analysis::explanation;
 using Eigen::Index;
 
 // Columns are rows of the background.
-void SoftmaxOf(Eigen::MatrixXd& outputs) {
+void SoftmaxOf(explanation::NetworkGame::Rows& outputs) {
   outputs.rowwise() -= outputs.colwise().maxCoeff().eval();
   outputs = outputs.array().exp();
   outputs.array().rowwise() /= outputs.colwise().sum().array().eval();

@@ -34,8 +34,8 @@ struct NominalFolds {
 struct NominalSettings {
   analysis::joint_dynamics::DynamicsSettings training;
   analysis::joint_dynamics::AttributionSettings attribution;
-  Eigen::Index rows{6000};      // of all healthy files together that a network is trained on
-  Eigen::Index background{50};  // rows
+  Eigen::Index rows{4000};      // of all healthy files together that a network is trained on
+  Eigen::Index background{25};  // rows
 };
 
 /// Spread evenly over the files.

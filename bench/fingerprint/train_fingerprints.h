@@ -17,9 +17,9 @@ struct FingerprintJob {
   std::optional<analysis::joint_dynamics::Method> method;  // none: `DefaultMethod`
   std::size_t coalitions{};
   Eigen::Index samples{100};    // of a file, whose fingerprints are made
-  Eigen::Index background{50};  // rows
+  Eigen::Index background{25};  // rows
   int folds{5};
-  int epochs{300};  // of the networks of the dynamics, at most
+  int epochs{150};  // of the networks of the dynamics, at most
   std::uint64_t seed{42};
 };
 

@@ -37,8 +37,8 @@ TEST(KernelShap, IsExactWhereAllCoalitionsFit) {
 }
 
 TEST(KernelShap, LiesWithinItsStandardErrorsWhereCoalitionsAreDrawn) {
-  // A game that is smooth in who takes part, as models are, and one of noise; many seeds, so that the errors are
-  // judged as errors: of a normal distribution 0.3 % lie beyond three.
+  // A game that is smooth in who takes part, as models are, and one of noise; many seeds, so that the errors
+  // are judged as errors: of a normal distribution 0.3 % lie beyond three.
   constexpr std::size_t kPlayers = 12;
   int beyond = 0;
   int all = 0;

@@ -20,7 +20,8 @@ struct SmallNetwork {
 };
 
 SmallNetwork MakeNetwork(Activation activation, Eigen::Index rows) {
-  networks::Network network({{1, 6}, {Dense{9, activation}, Dense{7, activation}, Dense{2, Activation::kLinear}}});
+  networks::Network network(
+      {{1, 6}, {Dense{9, activation}, Dense{7, activation}, Dense{2, Activation::kLinear}}});
   networks::Vector<double> parameters = networks::InitialParameters<double>(network, 3);
   std::srand(4);
   Eigen::MatrixXd background = Eigen::MatrixXd::Random(6, rows);
@@ -62,8 +63,8 @@ TEST(NetworkGame, SharesSumToWhatIsExplained) {
   for (Eigen::Index i = 0; i < 6; ++i) each.push_back({i});
   NetworkGame game(small.network, small.parameters, each, small.background);
   game.SetSample(small.sample);
-  const std::vector<double> shares = ShapleyValues(
-      6, 2, [&](Coalition coalition, double* out) { game.Value(coalition, out); });
+  const std::vector<double> shares =
+      ShapleyValues(6, 2, [&](Coalition coalition, double* out) { game.Value(coalition, out); });
   const Eigen::VectorXd explained = MeanOf(small, {0, 1, 2, 3, 4, 5}) - MeanOf(small, {});
   for (Eigen::Index o = 0; o < 2; ++o) {
     double sum = 0.0;
@@ -95,9 +96,12 @@ TEST(NetworkGame, RefusesWhatIsNoGame) {
     return MessageOf([&] { NetworkGame(small.network, small.parameters, groups, background); });
   };
   EXPECT_EQ(with({}, small.background), "a game needs 1 to 64 groups of inputs");
-  EXPECT_EQ(with({{0}, {0}}, small.background), "a group names an input that is not there, or one that another has");
-  EXPECT_EQ(with({{6}}, small.background), "a group names an input that is not there, or one that another has");
-  EXPECT_EQ(with({{0}}, Eigen::MatrixXd(6, 0)), "a background of no rows, or of other inputs than the network's");
+  EXPECT_EQ(with({{0}, {0}}, small.background),
+            "a group names an input that is not there, or one that another has");
+  EXPECT_EQ(with({{6}}, small.background),
+            "a group names an input that is not there, or one that another has");
+  EXPECT_EQ(with({{0}}, Eigen::MatrixXd(6, 0)),
+            "a background of no rows, or of other inputs than the network's");
 }
 
 TEST(ExpectedGradients, SumToWhatIsExplainedWithinTheirErrors) {

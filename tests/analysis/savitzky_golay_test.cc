@@ -12,7 +12,8 @@ namespace strainwave::analysis::joint_dynamics::savitzky_golay_test {
 namespace {
 
 TEST(SavitzkyGolay, HasThePublishedWeights) {
-  // Savitzky and Golay (1964), table I: quadratic and cubic, 5 and 9 points; table IV: first derivative, cubic, 5.
+  // Savitzky and Golay (1964), table I: quadratic and cubic, 5 and 9 points; table IV: first derivative,
+  // cubic, 5.
   const SavitzkyGolay five = MakeSavitzkyGolay(5, 3);
   const double smoothing[] = {-3, 12, 17, 12, -3};
   const double slope[] = {1, -8, 0, 8, -1};
@@ -58,9 +59,11 @@ TEST(SavitzkyGolay, IsALowPassOfTheFrequencyThatIsTold) {
 
 TEST(SavitzkyGolay, RefusesEvenWindowsAndShortSeries) {
   EXPECT_EQ(MessageOf([] { MakeSavitzkyGolay(500, 3); }),
-            "a window of 500 samples and the order 3 (expected an odd window above the order, and an order from 1 up)");
+            "a window of 500 samples and the order 3 (expected an odd window above the order, and an order "
+            "from 1 up)");
   EXPECT_EQ(MessageOf([] { MakeSavitzkyGolay(3, 3); }),
-            "a window of 3 samples and the order 3 (expected an odd window above the order, and an order from 1 up)");
+            "a window of 3 samples and the order 3 (expected an odd window above the order, and an order "
+            "from 1 up)");
   EXPECT_EQ(MessageOf([] { Smoothed(MakeSavitzkyGolay(7, 2), std::vector<double>(6)); }),
             "a series of 6 samples for a window of 7 (expected as many or more)");
 }

@@ -40,6 +40,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"records"},
                                                          {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},
+                                                         {"fingerprint"},
                                                          {"monitor", "notices"},
                                                          {"predictor_api"},
                                                          {"commands"}};
