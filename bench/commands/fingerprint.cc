@@ -12,10 +12,12 @@
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
 #include "bench/fingerprint/classify_file.h"
+#include "bench/fingerprint/export_fingerprints.h"
 #include "bench/fingerprint/fingerprint_file.h"
 #include "bench/fingerprint/fingerprint_json.h"
 #include "bench/fingerprint/fingerprint_pictures.h"
 #include "bench/plots/gnuplot.h"
+#include "bench/prediction/onnx_model.h"
 
 namespace strainwave::bench {
 namespace {
@@ -121,6 +123,25 @@ int ClassifyFiles(const FingerprintClassifyCommand& command) {
   return static_cast<int>(ExitCode::kDone);
 }
 
+struct FingerprintExportCommand {
+  std::string model;
+  std::string out;
+};
+
+int ExportFingerprintModel(const FingerprintExportCommand& command) {
+  const FingerprintExport written = ExportFingerprints(ReadFingerprintModel(command.model), command.out);
+  ToStdout(
+      "{}: states to torques, {}: fingerprints to probabilities, opset {}\n{}: how a record becomes states "
+      "and "
+      "fingerprints\n{}: model card (and .json)\nread back by OpenCV dnn: agrees to {:.1e} of a torque's "
+      "deviation and "
+      "{:.1e} of probability\n",
+      (written.folder / "nominal.onnx").string(), (written.folder / "classifier.onnx").string(), kOnnxOpset,
+      (written.folder / "recipe.json").string(), (written.folder / "model_card.md").string(),
+      written.nominal_disagreement, written.classifier_disagreement);
+  return static_cast<int>(ExitCode::kDone);
+}
+
 void AddFingerprintTrain(CLI::App& group, Action& action) {
   CLI::App* command = group.add_subcommand(
       "train",
@@ -184,6 +205,17 @@ void AddFingerprintClassify(CLI::App& group, Action& action) {
   command->callback([options, &action] { action = [options] { return ClassifyFiles(*options); }; });
 }
 
+void AddFingerprintExport(CLI::App& group, Action& action) {
+  CLI::App* command = group.add_subcommand(
+      "export",
+      "Write both networks of a model as ONNX, the recipe of its fingerprints, and a model card.\n"
+      "Example: strainwave fingerprint export model --out exported");
+  auto options = std::make_shared<FingerprintExportCommand>();
+  command->add_option("MODEL", options->model, "folder that fingerprint train has written")->required();
+  command->add_option("--out", options->out, "folder of the exported model")->required();
+  command->callback([options, &action] { action = [options] { return ExportFingerprintModel(*options); }; });
+}
+
 }  // namespace
 
 void AddFingerprint(CLI::App& app, Action& action) {
@@ -193,6 +225,7 @@ void AddFingerprint(CLI::App& app, Action& action) {
   group->require_subcommand(1);
   AddFingerprintTrain(*group, action);
   AddFingerprintClassify(*group, action);
+  AddFingerprintExport(*group, action);
 }
 
 }  // namespace strainwave::bench

@@ -109,6 +109,8 @@ Json DescriptionOf(const FingerprintModel& model) {
           {"acceleration", model.acceleration_measured ? "measured" : "from_velocity"},
           {"healthy_class", model.healthy},
           {"background", "states of healthy files, spread evenly over each"},
+          {"novelty_limits",
+           {{"states", model.state_novelty.limit}, {"fingerprints", model.fingerprint_novelty.limit}}},
           {"nominal", JsonOf(model.nominal.network.design())},
           {"classifier", JsonOf(model.classifier.network.design())}};
 }
@@ -133,6 +135,12 @@ FingerprintModel ModelFrom(const Json& json, const ModelNumbers& numbers) {
   prediction::Ensemble classifier = numbers.Network("classifier", json.at("classifier"), features, 2, true);
   Eigen::MatrixXd background = numbers.Take("background", -1, 3 * joints);
   Eigen::MatrixXd healthy_fingerprints = numbers.Take("healthy_fingerprints", -1, features);
+  prediction::Novelty of_states{numbers.Take("state_novelty_mean", 1, 3 * joints),
+                                numbers.Take("state_novelty_whitening", 3 * joints, 3 * joints),
+                                json.at("novelty_limits").at("states").get<double>()};
+  prediction::Novelty of_fingerprints{numbers.Take("fingerprint_novelty_mean", 1, features),
+                                      numbers.Take("fingerprint_novelty_whitening", features, features),
+                                      json.at("novelty_limits").at("fingerprints").get<double>()};
   Eigen::RowVectorXd lowest = numbers.Take("lowest", 1, 3 * joints);
   Eigen::RowVectorXd highest = numbers.Take("highest", 1, 3 * joints);
   const bool measured = json.at("acceleration").get<std::string>() == "measured";
@@ -143,6 +151,8 @@ FingerprintModel ModelFrom(const Json& json, const ModelNumbers& numbers) {
           .classifier = std::move(classifier),
           .background = std::move(background),
           .healthy_fingerprints = std::move(healthy_fingerprints),
+          .state_novelty = std::move(of_states),
+          .fingerprint_novelty = std::move(of_fingerprints),
           .lowest = std::move(lowest),
           .highest = std::move(highest),
           .attribution = attribution,
@@ -162,6 +172,10 @@ void WriteFingerprintModel(const std::filesystem::path& folder, const Fingerprin
   AddNetwork(numbers, "classifier", model.classifier);
   numbers.arrays.push_back(ArrayOf("background", model.background));
   numbers.arrays.push_back(ArrayOf("healthy_fingerprints", model.healthy_fingerprints));
+  numbers.arrays.push_back(ArrayOf("state_novelty_mean", model.state_novelty.mean));
+  numbers.arrays.push_back(ArrayOf("state_novelty_whitening", model.state_novelty.whitening));
+  numbers.arrays.push_back(ArrayOf("fingerprint_novelty_mean", model.fingerprint_novelty.mean));
+  numbers.arrays.push_back(ArrayOf("fingerprint_novelty_whitening", model.fingerprint_novelty.whitening));
   numbers.arrays.push_back(ArrayOf("lowest", model.lowest));
   numbers.arrays.push_back(ArrayOf("highest", model.highest));
   daq::WriteArraysAtomically(folder / kFingerprintNumbers, numbers);

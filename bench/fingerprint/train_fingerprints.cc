@@ -158,6 +158,17 @@ Eigen::MatrixXd HonestFingerprints(const NominalFolds& folds, const std::vector<
   return folds.features.at(std::string(dynamics::kRandomSplit)).of_fold.front();
 }
 
+// Every other row tells how far the rest lie from the middle.
+prediction::Novelty NoveltyOf(const Eigen::MatrixXd& scaled) {
+  constexpr Index kMostRows = 4000;
+  constexpr double kInside = 0.99;
+  std::vector<Index> one;
+  std::vector<Index> other;
+  for (const Index row : dynamics::EvenRows(scaled.rows(), kMostRows))
+    (one.size() > other.size() ? other : one).push_back(row);
+  return prediction::FitNovelty(scaled(one, Eigen::all), scaled(other, Eigen::all), kInside);
+}
+
 FingerprintModel ModelOf(const FingerprintData& data, const FingerprintJob& job, const NominalFolds& folds,
                          const std::vector<int>& file, const Eigen::MatrixXd& honest,
                          const Eigen::MatrixXd& states) {
@@ -173,10 +184,15 @@ FingerprintModel ModelOf(const FingerprintData& data, const FingerprintJob& job,
     chosen.push_back(healthy[static_cast<std::size_t>(i)]);
   Smoothing smoothing = data.smoothing;
   smoothing.as_given = false;
+  prediction::Ensemble classifier = prediction::TrainBinaryNetwork(honest, actual, {.seed = job.seed});
+  prediction::Novelty of_states = NoveltyOf(folds.nominal->input.Apply(states));
+  prediction::Novelty of_fingerprints = NoveltyOf(classifier.input.Apply(honest));
   return {.nominal = *folds.nominal,
-          .classifier = prediction::TrainBinaryNetwork(honest, actual, {.seed = job.seed}),
+          .classifier = std::move(classifier),
           .background = folds.background,
           .healthy_fingerprints = honest(chosen, Eigen::all),
+          .state_novelty = std::move(of_states),
+          .fingerprint_novelty = std::move(of_fingerprints),
           .lowest = states.colwise().minCoeff(),
           .highest = states.colwise().maxCoeff(),
           .attribution = AttributionOf(job, data.joints()),

@@ -8,6 +8,8 @@
 
 #include "analysis/joint_dynamics/attribution.h"
 #include "analysis/joint_dynamics/classification.h"
+#include "analysis/joint_dynamics/dynamics.h"
+#include "analysis/prediction/novelty.h"
 #include "bench/fingerprint/fingerprint_data.h"
 
 namespace strainwave::bench {
@@ -29,7 +31,9 @@ struct FingerprintModel {
   analysis::prediction::Ensemble classifier;  // fingerprints to the probabilities of healthy and faulty
   Eigen::MatrixXd background;            // states of healthy files: what a joint is like that nobody knows
   Eigen::MatrixXd healthy_fingerprints;  // what the classifier's attributions are told from
-  Eigen::RowVectorXd lowest;             // of the states in training
+  analysis::prediction::Novelty state_novelty;        // of scaled states
+  analysis::prediction::Novelty fingerprint_novelty;  // of scaled fingerprints
+  Eigen::RowVectorXd lowest;                          // of the states in training
   Eigen::RowVectorXd highest;
   analysis::joint_dynamics::AttributionSettings attribution;
   Eigen::Index samples{};
