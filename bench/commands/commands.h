@@ -37,5 +37,6 @@ void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
 void AddHealth(CLI::App& app, Action& action);
 void AddFaults(CLI::App& app, Action& action);
+void AddFingerprint(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

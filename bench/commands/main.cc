@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddMonitor(app, action);
   strainwave::bench::AddHealth(app, action);
   strainwave::bench::AddFaults(app, action);
+  strainwave::bench::AddFingerprint(app, action);
   std::ostringstream results;
   std::ostringstream words;
   int code = 0;

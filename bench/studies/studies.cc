@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/errors/bench_error.h"
+#include "bench/studies/arm.h"
 #include "bench/studies/joint_bearing.h"
 #include "bench/studies/wafer_robot.h"
 #include "daq/data_file_error.h"
@@ -18,13 +19,15 @@ namespace strainwave::bench {
 namespace {
 
 // One row a study; the folder has a file for each.
-constexpr std::array<Study, 3> kStudies{
-    {{"joint_bearing", "a robot's joint to and fro, three accelerometers; faults of a bearing (`faults`)",
-      MakeJointBearing},
-     {"wafer_robot",
-      "motor records of a robot's axis with a worn harmonic drive and timing belt, for `health`",
-      MakeWaferRobot},
-     {"wafer_robot_slow", "the same with slower moves", MakeSlowWaferRobot}}};
+constexpr std::array kStudies{
+    Study{"arm", "joints of robot arms with dragging brakes and worn reducers, for `fingerprint`", MakeArmStudy},
+    Study{"joint_bearing", "a robot's joint to and fro, three accelerometers; faults of a bearing, for `faults`",
+          MakeJointBearing},
+    Study{"wafer_robot",
+          "motor records of a robot's axis with a worn harmonic drive and timing belt, for `health`",
+          MakeWaferRobot},
+    Study{"wafer_robot_slow", "the same with slower moves", MakeSlowWaferRobot},
+};
 
 }  // namespace
 
