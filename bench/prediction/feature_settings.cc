@@ -33,12 +33,15 @@ FeatureSet FeatureSetOf(std::string_view name) {
   for (const auto& [value, known] : kFeatureSets) {
     if (name == known) return value;
   }
-  throw std::invalid_argument(
-      fmt::format("set = '{}' is not known (expected wavelet, orders, details, envelope_orders or packets)", name));
+  throw std::invalid_argument(fmt::format(
+      "set = '{}' is not known (expected wavelet, orders, details, envelope_orders or packets)", name));
 }
 
 ChannelFeatures::ChannelFeatures(FeatureSettings settings)
-    : settings_(std::move(settings)), by_wavelet_(settings_.wavelet), by_detail_(settings_.details), by_packet_(settings_.packets) {}
+    : settings_(std::move(settings)),
+      by_wavelet_(settings_.wavelet),
+      by_detail_(settings_.details),
+      by_packet_(settings_.packets) {}
 
 std::size_t ChannelFeatures::CountPerChannel() const {
   switch (settings_.set) {
@@ -75,7 +78,10 @@ void ChannelFeatures::Compute(std::span<const double> signal, std::optional<doub
                               std::span<double> out) {
   if (settings_.set == FeatureSet::kWavelet) return by_wavelet_.Compute(signal, out);
   if (settings_.set == FeatureSet::kDetails) return by_detail_.Compute(signal, out);
-  if (settings_.set == FeatureSet::kPackets) return by_packet_.Compute(signal, out);
+  if (settings_.set == FeatureSet::kPackets) {
+    by_packet_.Compute(signal, out);
+    return;
+  }
   if (!samples_per_turn) {
     throw std::invalid_argument(
         "there is no steady speed of the input shaft (expected metadata or column input_speed_rpm, or column "

@@ -44,8 +44,8 @@ class ChannelFeatures {
 
   const FeatureSettings& settings() const { return settings_; }
   std::size_t CountPerChannel() const;
-  /// `CHANNEL.aLEVEL.COLUMN`, `CHANNEL.orders.LOW_HIGH`, `CHANNEL.PATH.FEATURE`, or as detail_deviations.h and
-  /// envelope_orders.h say.
+  /// `CHANNEL.aLEVEL.COLUMN`, `CHANNEL.orders.LOW_HIGH`, `CHANNEL.PATH.FEATURE`, or as detail_deviations.h
+  /// and envelope_orders.h say.
   std::vector<std::string> Names(std::span<const std::string> channels) const;
 
   /// @param samples_per_turn  of the input shaft; only sets by order need it.

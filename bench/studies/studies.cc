@@ -20,8 +20,10 @@ namespace {
 
 // One row a study; the folder has a file for each.
 constexpr std::array kStudies{
-    Study{"arm", "joints of robot arms with dragging brakes and worn reducers, for `fingerprint`", MakeArmStudy},
-    Study{"joint_bearing", "a robot's joint to and fro, three accelerometers; faults of a bearing, for `faults`",
+    Study{"arm", "joints of robot arms with dragging brakes and worn reducers, for `fingerprint`",
+          MakeArmStudy},
+    Study{"joint_bearing",
+          "a robot's joint to and fro, three accelerometers; faults of a bearing, for `faults`",
           MakeJointBearing},
     Study{"wafer_robot",
           "motor records of a robot's axis with a worn harmonic drive and timing belt, for `health`",

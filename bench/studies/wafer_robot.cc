@@ -29,7 +29,7 @@ constexpr std::array kWornShares{0.0, 1.0 / 6.0, 1.0 / 3.0};
 constexpr std::array kDamagedTeeth{0, 7, 14, 21};
 
 // Seeds of parts that do not depend on what was drawn before.
-std::uint64_t SeedOf(std::uint64_t seed, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+std::uint64_t MixedSeed(std::uint64_t seed, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   std::uint64_t mixed = seed;
   for (const std::uint64_t part : {a, b, c}) {
     mixed ^= part + 0x9e3779b97f4a7c15ULL + (mixed << 6U) + (mixed >> 2U);
@@ -155,18 +155,18 @@ StudySummary MakeRobots(const StudySettings& settings, double move_s) {
     Job& job = jobs[k];
     const std::uint64_t condition = job.hd * kDamagedTeeth.size() + job.tb;
     const auto number = static_cast<std::uint64_t>(job.unit);
-    const Assembly assembly = DrawAssembly(job.hd, job.tb, SeedOf(settings.seed, condition, number, 0));
+    const Assembly assembly = DrawAssembly(job.hd, job.tb, MixedSeed(settings.seed, condition, number, 0));
     // Vibration is of other cycles than the motor's records.
     for (std::size_t i = 0; i < job.rms.size() && !job.failed; ++i) {
       const model::WaferCycle cycle =
-          CycleOf(assembly, move_s, SeedOf(settings.seed, condition, number, 1000 + i));
+          CycleOf(assembly, move_s, MixedSeed(settings.seed, condition, number, 1000 + i));
       job.rms[i] = cycle.vertical_rms_m_per_s2;
       job.failed = cycle.failed;
     }
     for (int i = 0; i < kCycles; ++i) {
       if (!job.failed) {
         model::WaferCycle cycle = CycleOf(
-            assembly, move_s, SeedOf(settings.seed, condition, number, 1 + static_cast<std::uint64_t>(i)));
+            assembly, move_s, MixedSeed(settings.seed, condition, number, 1 + static_cast<std::uint64_t>(i)));
         job.failed = cycle.failed;
         const std::string name =
             fmt::format("records/hd{}_tb{}_{}_{:03}.csv", job.hd, job.tb, job.unit + 1, i + 1);
