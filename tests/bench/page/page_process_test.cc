@@ -53,14 +53,14 @@ class AnotherProcess : public testing::Test {
 };
 
 TEST_F(AnotherProcess, IsWaitedForByWhatItWrites) {
-  const Shell shell("for i in 1 2 3; do echo $i >> '" + file_.string() + "'; sleep 0.3; done; sleep 1000");
+  const Shell shell("for i in 1 2 3; do echo $i >> '" + file_.string() + "'; sleep 0.3; done; exec sleep 1000");
   EXPECT_EQ(Await(shell.process(), file_, hours(1), [&] { return Says("3"); }), Awaited::kDone);
   EXPECT_LT(looks_, 20) << "it sleeps in between";
 }
 
 TEST_F(AnotherProcess, IsSeenToHaveDoneItBefore) {
   std::ofstream(file_) << "done\n";
-  const Shell shell("sleep 1000");
+  const Shell shell("exec sleep 1000");
   EXPECT_EQ(Await(shell.process(), file_, hours(1), [&] { return Says("done"); }), Awaited::kDone);
 }
 
@@ -72,14 +72,14 @@ TEST_F(AnotherProcess, ThatEndsIsWaitedForNoLonger) {
 }
 
 TEST_F(AnotherProcess, ThatDoesNothingIsNotWaitedForForEver) {
-  const Shell shell("touch '" + (folder_.path() / "another file").string() + "'; sleep 1000");
+  const Shell shell("touch '" + (folder_.path() / "another file").string() + "'; exec sleep 1000");
   EXPECT_EQ(Await(shell.process(), file_, seconds(1), [&] { return Says("done"); }), Awaited::kNothing);
   EXPECT_EQ(looks_, 1) << "other files are none of its business";
 }
 
 // A row may be written before it counts.
 TEST_F(AnotherProcess, IsLookedAtOnceMoreAfterAChange) {
-  const Shell shell("echo done > '" + file_.string() + "'; sleep 1000");
+  const Shell shell("echo done > '" + file_.string() + "'; exec sleep 1000");
   const auto counts_later = [&] { return Says("done") && looks_ > 2; };
   EXPECT_EQ(Await(shell.process(), file_, hours(1), counts_later), Awaited::kDone);
 }

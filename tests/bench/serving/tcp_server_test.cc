@@ -67,12 +67,12 @@ class Lines : public RequestProtocol {
 
 class Client {
  public:
-  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  explicit Client(int port, const char* to = "127.0.0.1", const char* from = "127.0.0.1")
+      : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const sockaddr_in here = At(from, 0);
+    const sockaddr_in there = At(to, port);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&here), sizeof here), 0);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&there), sizeof there), 0);
   }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
@@ -94,6 +94,14 @@ class Client {
   }
 
  private:
+  static sockaddr_in At(const char* text, int port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    EXPECT_EQ(::inet_pton(AF_INET, text, &address.sin_addr), 1);
+    return address;
+  }
+
   int socket_;
 };
 
@@ -145,6 +153,29 @@ TEST_F(TcpServerTest, NoticesThatAWaitingClientHasLeft) {
     EXPECT_EQ(lines_.waiting(), 1u);
   }
   while (lines_.waiting() > 0) ::usleep(1000);
+}
+
+TEST_F(TcpServerTest, KnowsBothEndsOfAConnection) {
+  TcpServer everywhere("lines", {.address = "0.0.0.0"}, lines_);
+  Client client(everywhere.port(), "127.0.0.2", "127.0.0.3");
+  client.Send("who\n");
+  EXPECT_EQ(client.Receive(kMany), "127.0.0.3 to 127.0.0.2");
+}
+
+TEST_F(TcpServerTest, LeavesRoomForOthersThanAMachineThatTakesAllItGets) {
+  TcpServer everywhere("lines", {.address = "0.0.0.0", .connections = 4, .of_one_network = 2}, lines_);
+  Client first(everywhere.port());
+  first.Send("wait\n");
+  EXPECT_EQ(first.Receive(6), "hello\n");
+  std::list<Client> greedy;
+  for (int i = 0; i < 8; ++i) {
+    greedy.emplace_back(everywhere.port(), "127.0.0.1", "127.0.0.3").Send("wait\n");
+    EXPECT_EQ(greedy.back().Receive(6), "hello\n");
+  }
+  lines_.Give(everywhere, "news\n", true);
+  EXPECT_EQ(first.Receive(kMany), "news\n");
+  EXPECT_EQ(greedy.front().Receive(kMany), "") << "closed for one of its own";
+  EXPECT_EQ(greedy.back().Receive(kMany), "news\n");
 }
 
 TEST_F(TcpServerTest, HasLastWordsForWhoSendsTooMuchOrTooSlowly) {
