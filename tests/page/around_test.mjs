@@ -87,11 +87,11 @@ try {
     await until(async () => await tab.locator('#charts canvas').count() === 6);
     const {lines} = await asked(tab, '/api/v1/cycles');
     const k2 = lines.k2_Nm_per_rad;
-    assert.deepEqual([k2.control.first_cycle, k2.control.last_cycle, k2.control.cycles], [1, 12, 12]);
+    assert.deepEqual([k2.control.first_cycle, k2.control.last_cycle, k2.control.cycles], [1, 20, 20]);
     const legend = (quantity, kind) => tab.locator(`#charts [data-quantity=${quantity}] .legend [data-kind=${kind}]`);
     const shown = value => new RegExp(Number(value.toPrecision(5)).toLocaleString('en-GB').replaceAll('.', '\\.'));
     const control = await legend('k2_Nm_per_rad', 'control').textContent();
-    assert.match(control, /^control limits .* mean ± 2\.66 mean moving ranges of 12 cycles, 1 to 12$/);
+    assert.match(control, /^control limits .* mean ± 2\.66 mean moving ranges of 20 cycles, 1 to 20$/);
     assert.match(control, shown(k2.control.lower));
     assert.match(control, shown(k2.control.upper));
     const stop = await legend('k2_Nm_per_rad', 'stop').textContent();
@@ -127,7 +127,7 @@ try {
     const row = tab.locator('#prediction [data-quantity=k2_Nm_per_rad]');
     await until(async () => await row.count() === 1);
     const {cycle, coverage, records} = await asked(tab, '/api/v1/prediction');
-    assert.equal(cycle, 12);
+    assert.equal(cycle, 24);
     assert.equal(records.length, 1);
     assert.equal(records[0].outside_training, false);
     const said = records[0].values.k2_Nm_per_rad;
@@ -138,7 +138,7 @@ try {
     assert.match(await row.locator('td').nth(4).textContent(), said.inside ? /lies inside the interval$/ : /lies outside the interval$/);
     assert.match(await tab.locator('#prediction th').nth(3).textContent(), new RegExp(`^interval \\(${Math.round(100 * coverage)} %\\)$`));
     assert.equal(await tab.locator('#prediction .outside').count(), 0);
-    assert.deepEqual(await asked(tab, '/api/v1/prediction?cycle=13'), {error: 'cycle 13 is not complete (expected at most 12)'});
+    assert.deepEqual(await asked(tab, '/api/v1/prediction?cycle=25'), {error: 'cycle 25 is not complete (expected at most 24)'});
   });
 
   await check('where the campaign is not one of its training, that is said in words', async () => {
