@@ -63,7 +63,8 @@ class Table(unittest.TestCase):
 
     def run_all(self, home, listed):
         for command in listed:
-            self.run_in(home, command)
+            # What a shorter life teaches is worth nothing, which export asks about.
+            self.run_in(home, command + " --anyway" if SHORTER and " export " in command else command)
 
 
 class TableOfUse(Table):
