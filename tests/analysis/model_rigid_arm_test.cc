@@ -26,9 +26,9 @@ TEST(RigidArm, HoldsThePuma560AgainstGravityAsPublished) {
   constexpr double kPrinted_Nm = 6e-5;  // its last digit
   for (std::size_t j = 0; j < published_Nm.size(); ++j)
     EXPECT_NEAR(torques_Nm[j], published_Nm[j], kPrinted_Nm) << j;
-  // The arm stretched out.
-  const Joints stretched_rad{0.0, 0.0, -kPi / 2.0, 0.0, 0.0, 0.0};
-  EXPECT_NEAR(InverseDynamics_Nm(Puma560(), stretched_rad, kStill, kStill)[1], 46.0069, kPrinted_Nm);
+  // The arm extended.
+  const Joints extended_rad{0.0, 0.0, -kPi / 2.0, 0.0, 0.0, 0.0};
+  EXPECT_NEAR(InverseDynamics_Nm(Puma560(), extended_rad, kStill, kStill)[1], 46.0069, kPrinted_Nm);
 }
 
 TEST(RigidArm, HasTheInertiaOfThePuma560AsPublished) {
