@@ -80,7 +80,7 @@ std::optional<LabelScores> ScoreLabels(const Eigen::MatrixXd& targets, const Eig
 Eigen::RowVectorXd LabelThresholds(const Eigen::MatrixXd& targets, const Eigen::MatrixXd& probability);
 
 /// 95 % interval of a share of `right` among `all`: Wilson's.
-/// Source: Brown, Cai & DasGupta, Statistical Science 16 (2001) 101, eq. 4.
+/// Source: docs/sources.md#wilson-1927.
 struct ShareInterval {
   double low{};
   double high{};

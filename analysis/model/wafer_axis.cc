@@ -158,8 +158,8 @@ WaferCycle SimulateWaferCycle(const WaferAxis& axis, const WaferMotion& motion, 
                            axis.spring_damping_Nms_per_rad * (motor_speed * inverse_ratio - pulley_speed);
     const BeltAt belt = BeltTeeth(axis, kMeshingBeltTeeth * pulley_rad / motion.angle_rad);
     const double play = 0.5 * (axis.belt_play_rad + axis.damaged_play_rad * belt.damage);
-    const double stretch = pulley_rad - belt.error_rad - arm_rad;
-    const double taut = stretch - std::clamp(stretch, -play, play);
+    const double elongation_rad = pulley_rad - belt.error_rad - arm_rad;
+    const double taut = elongation_rad - std::clamp(elongation_rad, -play, play);
     const double belt_Nm =
         (1.0 - axis.damaged_softening * belt.damage) * axis.belt_stiffness_Nm_per_rad * taut +
         axis.belt_damping_Nms_per_rad * (pulley_speed - arm_speed);

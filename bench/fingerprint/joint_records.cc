@@ -37,7 +37,7 @@ int WindowOf(const std::filesystem::path& path, const Smoothing& smoothing, doub
         path,
         fmt::format("a window of {:g} s is {} samples at {:g} Hz", smoothing.window_s, nearest, rate_hz),
         fmt::format("an odd number, so that it has a middle, for instance {:g} s", (nearest + 1) / rate_hz));
-  const int least = smoothing.order + 2 - smoothing.order % 2;  // odd, above the order
+  const int least = smoothing.order + 1 + smoothing.order % 2;  // odd, above the order
   if (smoothing.as_given && nearest < least)
     Refuse(path,
            fmt::format("a window of {:g} s is {} samples at {:g} Hz", smoothing.window_s, nearest, rate_hz),

@@ -38,12 +38,13 @@ TEST(KernelShap, IsExactWhereAllCoalitionsFit) {
 
 TEST(KernelShap, LiesWithinItsStandardErrorsWhereCoalitionsAreDrawn) {
   // A game that is smooth in who takes part, as models are, and one of noise; many seeds, so that the errors
-  // are judged as errors: of a normal distribution 0.3 % lie beyond three.
+  // are judged as errors: of Student's distribution with nine degrees 1.5 % lie beyond three, and the mean
+  // square is 9/7. Over 300 seeds 1.9 % and 1.5 were seen.
   constexpr std::size_t kPlayers = 12;
   int beyond = 0;
   int all = 0;
   double squares = 0.0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     std::mt19937_64 engine(seed);
     std::normal_distribution<double> normal;
     std::vector<double> weights(kPlayers);
@@ -71,8 +72,8 @@ TEST(KernelShap, LiesWithinItsStandardErrorsWhereCoalitionsAreDrawn) {
     EXPECT_NEAR(sum, value((1U << kPlayers) - 1) - value(0), 1e-9);
   }
   // Ten parts give the errors themselves only to a quarter.
-  EXPECT_LE(beyond, 4) << "of " << all;
-  EXPECT_GT(squares / all, 0.4);
+  EXPECT_LE(beyond, 25) << "of " << all;
+  EXPECT_GT(squares / all, 0.8);
   EXPECT_LT(squares / all, 2.0);
 }
 

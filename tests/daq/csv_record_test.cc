@@ -90,7 +90,7 @@ TEST_P(BadCsv, IsRefusedWithLineAndColumn) { EXPECT_EQ(ErrorOf(GetParam().text),
 
 const std::string kNeedsLoopColumns =
     "(expected the columns time_s, torque_Nm, output_angle_deg in a hysteresis record)";
-const std::string kKinds = "transmission_error, hysteresis, motion, vibration or history)";
+const std::string kKinds = "transmission_error, hysteresis, motion, vibration, motor, joints or history)";
 const std::string kSweep = "# kind: transmission_error\ndirection,input_angle_deg,output_angle_deg\n";
 
 INSTANTIATE_TEST_SUITE_P(

@@ -137,7 +137,7 @@ TEST_F(H5pyTest, BreaksTheRulesWithGroupDatasetAndRow) {
   EXPECT_EQ(
       ErrorOf(loop + "g.attrs['kind'] = 'loop'"),
       "r.h5: error: group '/x', attribute 'kind': kind is 'loop' (expected transmission_error, hysteresis, "
-      "motion, vibration or history)");
+      "motion, vibration, motor, joints or history)");
   EXPECT_EQ(ErrorOf(loop + "del g['torque_Nm']"),
             "r.h5: error: group '/x': column 'torque_Nm' is missing (expected the columns time_s, torque_Nm, "
             "output_angle_deg in a hysteresis record)");
