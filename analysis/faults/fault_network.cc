@@ -198,6 +198,14 @@ prediction::FittedPredictor FitFaults(const prediction::Samples& samples,
   if (tested.empty()) return fitted;
   const Eigen::MatrixXd error = cross.probability(tested, Eigen::all) - samples.targets(tested, Eigen::all);
   fitted.residual = error.array().square().colwise().mean().sqrt().max(1e-300);
+  if (!fitted.ensemble.softmax) {
+    constexpr double kCoverage = 0.9;
+    std::vector<int> group;
+    for (const Eigen::Index row : tested) group.push_back(samples.specimen[static_cast<std::size_t>(row)]);
+    fitted.band = prediction::CalibrateBand(
+        samples.targets(tested, Eigen::all), cross.probability(tested, Eigen::all),
+        fitted.residual.replicate(static_cast<Eigen::Index>(tested.size()), 1), group, kCoverage);
+  }
   // The limit by records that the covariance had not seen, as every later record is; in units of the
   // training's own deviations both measure alike.
   fitted.novelty.limit *= DistanceKeptOutside(cross);

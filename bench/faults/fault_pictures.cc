@@ -205,13 +205,22 @@ fs::path DrawDetails(const daq::Record& record, const std::string& channel, doub
   std::vector<double> time_s(signal.size());
   for (std::size_t i = 0; i < time_s.size(); ++i) time_s[i] = static_cast<double>(i) / sample_rate_hz;
   std::vector<double> rest = signal;
+  std::vector<double> most;  // of each part
+  const auto add_most = [&most](const std::vector<double>& part) {
+    double magnitude = 0.0;
+    for (const double value : part) magnitude = std::max(magnitude, std::abs(value));
+    most.push_back(magnitude > 0.0 ? magnitude : 1.0);
+  };
+  add_most(signal);
   std::string script = DataBlock("part0", {time_s, signal});
   for (int level = 1; level <= recipe.levels; ++level) {
     const std::vector<double> detail = by_detail.Detail(signal, level);
     for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= detail[i];
     script += DataBlock(fmt::format("part{}", level), {time_s, detail});
+    add_most(detail);
   }
   script += DataBlock(fmt::format("part{}", recipe.levels + 1), {time_s, rest});
+  add_most(rest);
   script +=
       CommonStyle() +
       fmt::format("set multiplot layout {},1 title {} font ',18'\nset key off\n", recipe.levels + 2,
@@ -223,12 +232,14 @@ fs::path DrawDetails(const daq::Record& record, const std::string& channel, doub
                              : part <= recipe.levels
                                  ? fmt::format("D{}: {:.4g} to {:.4g} Hz", part, 0.5 * high_hz, high_hz)
                                  : fmt::format("A{}: 0 to {:.4g} Hz", recipe.levels, high_hz);
-    if (part == recipe.levels + 1) script += "set xlabel 's'\n";
-    script +=
-        fmt::format("set ylabel {} rotate by 0 right\nplot $part{} using 1:2 with lines lw 0.6 lc rgb '{}'\n",
-                    Quoted(name), part, part == 0 ? kMeasuredColour : kFirstColour.plain);
+    script += part == recipe.levels + 1 ? "set xtics format '%g'\nset xlabel 's'\n" : "set xtics format ''\n";
+    script += fmt::format(
+        "set title {0} offset 0,-1.2\nset yrange [-{1:.3g}:{1:.3g}]\nset ytics (-{1:.3g}, 0, {1:.3g})\n"
+        "plot $part{2} using 1:2 with lines lw 0.6 lc rgb '{3}'\n",
+        Quoted(name), 1.05 * most[static_cast<std::size_t>(part)], part,
+        part == 0 ? kMeasuredColour : kFirstColour.plain);
   }
-  return RenderPicture(script + "unset multiplot\n", stem, {1300, 130 * (recipe.levels + 2) + 110});
+  return RenderPicture(script + "unset multiplot\n", stem, {1300, 150 * (recipe.levels + 2) + 110});
 }
 
 }  // namespace strainwave::bench

@@ -69,8 +69,10 @@ void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem
 
 OutputsAre WhatOutputsAre(const FeatureRecipe& recipe, OnnxNetwork::Predicts predicts) {
   if (predicts == OnnxNetwork::Predicts::kClasses) return OutputsAre::kClasses;
-  // The health of a component may be next to nothing, too.
-  const bool near_zero = recipe.baseline_records > 0 || recipe.features.set == FeatureSet::kPackets;
+  // The health of a component may be next to nothing, too, and so may be how far a fault is there.
+  const FeatureSet set = recipe.features.set;
+  const bool near_zero = recipe.baseline_records > 0 || set == FeatureSet::kPackets ||
+                         set == FeatureSet::kDetails || set == FeatureSet::kEnvelopeOrders;
   return near_zero ? OutputsAre::kChanges : OutputsAre::kValues;
 }
 

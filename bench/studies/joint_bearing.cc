@@ -51,12 +51,12 @@ struct ModeShape {
 };
 constexpr std::array<ModeShape, 8> kModes{{{14.0, 0.04, {1.0, 0.5, 0.8}, 0.05, 0.02},
                                            {31.0, 0.03, {0.6, 1.0, 0.7}, 0.05, 0.04},
-                                           {58.0, 0.03, {0.9, 0.6, 1.0}, 0.05, 0.10},
-                                           {103.0, 0.025, {1.0, 0.5, 0.9}, 0.06, 0.22},
-                                           {187.0, 0.02, {0.9, 0.4, 1.0}, 0.07, 0.40},
-                                           {364.0, 0.02, {1.0, 0.6, 0.8}, 0.09, 0.75},
-                                           {2610.0, 0.02, {0.8, 0.6, 1.0}, 0.12, 1.80},
-                                           {5230.0, 0.015, {1.0, 0.5, 0.9}, 0.10, 2.20}}};
+                                           {58.0, 0.03, {0.9, 0.6, 1.0}, 0.05, 0.18},
+                                           {103.0, 0.025, {1.0, 0.5, 0.9}, 0.06, 0.40},
+                                           {187.0, 0.02, {0.9, 0.4, 1.0}, 0.07, 0.70},
+                                           {364.0, 0.02, {1.0, 0.6, 0.8}, 0.09, 1.30},
+                                           {2610.0, 0.02, {0.8, 0.6, 1.0}, 0.12, 3.20},
+                                           {5230.0, 0.015, {1.0, 0.5, 0.9}, 0.10, 4.00}}};
 constexpr std::size_t kModeCount = kModes.size();
 
 struct Condition {
@@ -74,7 +74,7 @@ constexpr std::array<Condition, 6> kConditions{{{"healthy", 0.0, 0.0, false},
 
 constexpr std::array<double, 2> kLoads_kg{0.0, 2.0};
 constexpr std::array<double, 3> kSpeeds_percent{50.0, 75.0, 100.0};
-constexpr int kRecordsOfSingle = 16;
+constexpr int kRecordsOfSingle = 24;
 constexpr int kRecordsOfPair = 8;
 constexpr int kUnitsByDefault = 4;
 
@@ -101,9 +101,9 @@ struct Mounting {
   double friction{};
   double mesh_m_per_s2{};
   double eccentricity_m_per_s2{};
-  double reversal{};       // the knock of the backlash where it turns round
+  double reversal{};       // the impact of the backlash where it turns round
   double severity{};       // of the damage: depth, edges, grease
-  double waviness{};       // of a sound bearing: knocks at the passing orders, a share of a 1 mm damage
+  double waviness{};       // of a sound bearing: impacts at the passing orders, a share of a 1 mm damage
   double load_zone_rad{};  // of the damage on the outer race, from where the load stands
 };
 
@@ -116,12 +116,12 @@ Mounting DrawMounting(std::uint64_t seed) {
     for (std::size_t a = 0; a < kAxes; ++a) drawn.seen[m][a] = kModes[m].seen[a] * draw.Factor(0.15);
   }
   for (double& gain : drawn.sensor_gain) gain = draw.Factor(0.05);
-  drawn.friction = draw.Factor(0.3);
-  drawn.mesh_m_per_s2 = 0.25 * draw.Factor(0.35);
+  drawn.friction = draw.Factor(0.2);
+  drawn.mesh_m_per_s2 = 0.25 * draw.Factor(0.2);
   drawn.eccentricity_m_per_s2 = 0.15 * draw.Factor(0.4);
   drawn.reversal = draw.Factor(0.4);
-  drawn.severity = draw.Factor(0.2);
-  drawn.waviness = 0.08 * draw.Factor(0.4);
+  drawn.severity = draw.Factor(0.15);
+  drawn.waviness = 0.05 * draw.Factor(0.4);
   drawn.load_zone_rad = 0.5 * draw.Normal();
   return drawn;
 }
@@ -133,7 +133,7 @@ struct JointRun {
   std::uint64_t seed{};
 };
 
-// Knocks each time that something passes; slip lets the passings drift.
+// An impact each time that something passes; slip lets the passings drift.
 class Passings {
  public:
   Passings(double order, JointDraw& draw) : order_(order), draw_(draw), next_(draw.Share()) {}
@@ -197,7 +197,7 @@ Axes SimulateJoint(const Condition& condition, const Mounting& mounting, const J
     impact *= pace * load;
     const double now_direction = joint.speed_rad_per_s > 0.0 ? 1.0 : joint.speed_rad_per_s < 0.0 ? -1.0 : 0.0;
     if (now_direction != 0.0 && now_direction != direction) {
-      if (direction != 0.0) impact += 3.0 * mounting.reversal * draw.Factor(0.2);
+      if (direction != 0.0) impact += 1.5 * mounting.reversal * draw.Factor(0.2);
       direction = now_direction;
     }
     const double rub = friction * pace * draw.Normal();
@@ -259,12 +259,12 @@ std::uint64_t SeedOf(std::uint64_t seed, std::uint64_t condition, std::uint64_t 
   return (static_cast<std::uint64_t>(words[0]) << 32U) | words[1];
 }
 
-// Loads and speeds in turn; of four records one is filtered.
-JointRun RunOf(int record, std::uint64_t seed) {
+// Loads and speeds in turn; the last quarter is filtered.
+JointRun RunOf(int record, int records, std::uint64_t seed) {
   const auto k = static_cast<std::size_t>(record);
   return {.load_kg = kLoads_kg[k % kLoads_kg.size()],
           .speed_percent = kSpeeds_percent[(k / kLoads_kg.size()) % kSpeeds_percent.size()],
-          .filtered = (k + k / 4) % 4 == 3,
+          .filtered = 4 * record >= 3 * records,
           .seed = seed};
 }
 
@@ -286,7 +286,8 @@ StudySummary MakeJointBearing(const StudySettings& settings) {
       const Mounting mounting = DrawMounting(SeedOf(settings.seed, c, u, 0));
       const int records = condition.pair ? kRecordsOfPair : kRecordsOfSingle;
       for (int r = 0; r < records; ++r) {
-        const JointRun run = RunOf(r, SeedOf(settings.seed, c, u, static_cast<std::uint64_t>(r) + 1));
+        const JointRun run =
+            RunOf(r, records, SeedOf(settings.seed, c, u, static_cast<std::uint64_t>(r) + 1));
         const daq::NamedRecord named{"vibration", RecordOf(SimulateJoint(condition, mounting, run), run)};
         const std::string file = fmt::format("records/{:04d}.h5", ++done);
         daq::WriteRecordsAtomically(settings.out / file, {&named, 1});

@@ -222,7 +222,7 @@ class Faults(unittest.TestCase):
             for rpm in (600, 900, 1200):
                 for k in range(3):
                     random = numpy.random.default_rng(100 * c + rpm + k)
-                    turns = numpy.arange(5 * rate_hz * 60 // rpm) / (rate_hz * 60 / rpm)
+                    turns = numpy.arange(12 * rate_hz * 60 // rpm) / (rate_hz * 60 / rpm)
                     swing = 1 if order is None else 1 + 0.8 * numpy.cos(2 * numpy.pi * order * turns)
                     # How loud it is depends on the speed and says nothing.
                     values = rpm / 600 * swing * random.standard_normal(len(turns))
@@ -357,20 +357,20 @@ class Study(unittest.TestCase):
                                    "--json")
             self.assertEqual(code, 0, error)
         made = json.loads(out)
-        self.assertEqual((made["files"], made["units"]), (80, 6))
+        self.assertEqual((made["files"], made["units"]), (112, 6))
         table = (folders[0] / "labels.csv").read_text()
         self.assertEqual(table, (folders[1] / "labels.csv").read_text())
         self.assertTrue(table.startswith("file,unit,class,fault_inner_race,fault_outer_race,faults,damage_mm,load_kg,"
                                          "speed_percent,anti_alias_filter\n"))
         self.assertEqual(len(re.findall(r",inner_race\+outer_race_[12]mm,1,1,2,", table)), 16)
-        for name in ("0001.h5", "0080.h5"):
+        for name in ("0001.h5", "0112.h5"):
             bytes_of = [(folder / "records" / name).read_bytes() for folder in folders]
             self.assertEqual(*bytes_of)
         code, out, error = run("faults", "train", folders[0], "--out", FOLDER / "joint_model", "--where", "faults=0,1",
                                "--split", "speed_percent", "--json", *QUICK)
         self.assertEqual(code, 0, error)
         report = json.loads(out)
-        self.assertEqual((report["levels"], report["records"], report["sample_rate_hz"]), (8, 64, 1031.0))
+        self.assertEqual((report["levels"], report["records"], report["sample_rate_hz"]), (8, 96, 1031.0))
         self.assertGreater(report["accuracy"]["random"], 0.8)
 
 
