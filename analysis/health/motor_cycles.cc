@@ -35,19 +35,23 @@ std::vector<std::size_t> RisingEdges(std::span<const double> state) {
   return edges;
 }
 
-// How many moves it takes to be back, of those from edge to edge; 1 where the shaft never comes back.
+// How many moves it takes to be back, each from its edge to the next or the end; 1 where the shaft never
+// comes back.
 std::size_t MovesBack(const std::vector<std::size_t>& edges, std::span<const double> velocity) {
   std::vector<double> ways;
-  for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const std::size_t end = k + 1 < edges.size() ? edges[k + 1] : velocity.size();
     double way = 0.0;
-    for (std::size_t i = edges[k]; i < edges[k + 1]; ++i) way += velocity[i];
+    for (std::size_t i = edges[k]; i < end; ++i) way += velocity[i];
     ways.push_back(way);
   }
   double longest = 0.0;
   for (const double way : ways) longest = std::max(longest, std::abs(way));
   for (std::size_t moves = 2; moves <= std::min(kMostMoves, ways.size()); ++moves) {
+    // The record may end within the last one.
+    const std::size_t whole = ways.size() > moves ? ways.size() - 1 : ways.size();
     double worst = 0.0;
-    for (std::size_t k = 0; k + moves <= ways.size(); ++k) {
+    for (std::size_t k = 0; k + moves <= whole; ++k) {
       double sum = 0.0;
       for (std::size_t j = 0; j < moves; ++j) sum += ways[k + j];
       worst = std::max(worst, std::abs(sum));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -162,7 +163,7 @@ std::filesystem::path DrawErrors(const HealthData& data, const HealthOutcome& ou
       const std::string name = fmt::format("errors{}_{}", c, s);
       script += DataBlock(name, {at, counts});
       panels += fmt::format(
-          "set title {}\nplot ${} using 1:2 with boxes fill solid 0.6 lc rgb '{}'\n",
+          "set title {}\nplot ${} using 1:2 with boxes fs solid 0.6 lc rgb '{}'\n",
           Quoted(fmt::format("{}, {}: RMSE {:.4f}", data.components[c], split.name, split.rmse(column))),
           name, split.name == "random" ? kLastColour.plain : kFirstColour.plain);
     }
@@ -267,17 +268,17 @@ std::filesystem::path DrawWhatIf(const std::vector<std::string>& components, con
   script += now + "EOD\n" + shares + "EOD\n" + after + "EOD\n" +
             "set multiplot layout 1,3\nunset key\nset boxwidth 0.6\nset yrange [*<0:*]\nset xtics rotate by "
             "25 right\n";
-  const std::pair<const char*, const char*> panels[] = {
+  constexpr std::pair<const char*, const char*> kPanels[] = {
       {"now", "health now"},
       {"shares", "where the system's index comes from (Shapley)"},
       {"after", "the system's index after"}};
-  for (const auto& [name, title] : panels)
+  for (const auto& [name, title] : kPanels) {
     script += fmt::format(
-        "set title '{}'\nplot ${} using 1:3:xtic(2) with boxes fs solid 0.5 lc rgb '{}', ${} using 1:3:4:5 "
+        "set title {}\nplot ${} using 1:3:xtic(2) with boxes fs solid 0.5 lc rgb '{}', ${} using 1:3:4:5 "
         "with "
         "yerrorbars pt 0 lw 2 lc rgb '{}'\n",
-        title == std::string_view(panels[1].second) ? "where the index comes from (Shapley)" : title, name,
-        kFirstColour.plain, name, kFirstColour.dark);
+        Quoted(title), name, kFirstColour.plain, name, kFirstColour.dark);
+  }
   return RenderPicture(script + "unset multiplot\n", stem, {1400, 520});
 }
 

@@ -247,10 +247,11 @@ TEST_F(PredictorFolder, RefusesWhatDoesNotFit) {
       refusal_with("/recipe/sample_rate_hz", 0),
       "predictor.json: error: the recipe cannot be used: sample_rate_hz is not above 0 (expected the file as "
       "`strainwave train` or `export` has written it)");
-  EXPECT_EQ(
-      refusal_with("/recipe/set", "letters"),
-      "predictor.json: error: the recipe cannot be used: set = 'letters' is not known (expected wavelet or "
-      "orders) (expected the file as `strainwave train` or `export` has written it)");
+  EXPECT_EQ(refusal_with("/recipe/set", "letters"),
+            "predictor.json: error: the recipe cannot be used: set = 'letters' is not known (expected "
+            "wavelet, orders, "
+            "details, envelope_orders or packets) (expected the file as `strainwave train` or `export` has "
+            "written it)");
 }
 
 // libhdf5 itself does not outlive every damaged file: the checksum is read before it is asked.
