@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/health/component_scores.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -46,6 +47,9 @@ double FisherRatio(const std::vector<double>& x, const std::vector<int>& level) 
     sums.sum += off;
     sums.squares += off * off;
   }
+  // Of a constant, only the rounding of its mean would be left.
+  const auto [low, high] = std::ranges::minmax(x);
+  if (!(high > low)) return 0.0;
   double between = 0.0;
   double within = 0.0;
   for (const auto& [number, sums] : of_level) {

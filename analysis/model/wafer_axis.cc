@@ -59,7 +59,7 @@ Command CommandAt(const WaferMotion& motion, double time_s) {
 // turn.
 double WornTeeth(const WaferAxis& axis, double relative_rad) {
   if (axis.worn_share <= 0.0) return 0.0;
-  constexpr double kEdge = 6.0;
+  constexpr double kEdge = 2.0;
   const double duty = std::min(0.95, 2.0 * axis.worn_share);
   const double lobe = std::cos(2.0 * relative_rad + axis.worn_phase_rad) - std::cos(kPi * duty);
   return axis.worn_share * (0.5 + 0.5 * std::tanh(kEdge * lobe));
@@ -78,8 +78,8 @@ BeltAt BeltTeeth(const WaferAxis& axis, double teeth) {
   constexpr double kEdge_teeth = 0.3;
   at.damage = 0.5 * (std::tanh((teeth + 0.5) / kEdge_teeth) - std::tanh((teeth - count - 0.5) / kEdge_teeth));
   // A sound tooth beside carries for a damaged one; where all are damaged, none does.
-  at.damage *= std::pow(count / kMeshingBeltTeeth, 1.2);
-  constexpr double kSharp = 12.0;
+  at.damage *= std::pow(count / kMeshingBeltTeeth, 0.8);
+  constexpr double kSharp = 60.0;
   at.error_rad += axis.damaged_tooth_error_rad * at.damage * std::exp(kSharp * (cosine - 1.0));
   return at;
 }
@@ -163,8 +163,8 @@ WaferCycle SimulateWaferCycle(const WaferAxis& axis, const WaferMotion& motion, 
     const double belt_Nm =
         (1.0 - axis.damaged_softening * belt.damage) * axis.belt_stiffness_Nm_per_rad * taut +
         axis.belt_damping_Nms_per_rad * (pulley_speed - arm_speed);
-    // What cut teeth carry: the belt's torque, and the shocks of the pulley that they guide.
-    const double tooth_load_Nm = belt.damage * (std::abs(belt_Nm) + std::abs(gear_Nm - belt_Nm));
+    // What cut teeth carry: the belt's torque, and more while the gear gives way in jerks.
+    const double tooth_load_Nm = belt.damage * std::abs(belt_Nm) * (1.0 + axis.worn_jerk * worn);
     cycle.most_tooth_load_Nm = std::max(cycle.most_tooth_load_Nm, tooth_load_Nm);
     if (tooth_load_Nm > axis.belt_holds_Nm) {
       cycle.failed = true;

@@ -37,7 +37,7 @@ struct WaferAxis {
   KinematicError kinematic_error{};
   double worn_share{};            // of the flexspline's teeth, below 1/2
   double worn_phase_rad{};        // where on its turn
-  double worn_error_rad{2.4e-3};  // bump of the transmission error over worn teeth, times their share
+  double worn_error_rad{3.0e-3};  // bump of the transmission error over worn teeth, times their share
   double worn_softening{1.0};     // share of the stiffness that they lack, times their share
   // Pulley, belt and arm.
   double pulley_inertia_kgm2{1.5e-3};
@@ -46,11 +46,12 @@ struct WaferAxis {
   double belt_play_rad{1.0e-4};
   double belt_tooth_error_rad{2.0e-5};
   int damaged_belt_teeth{};  // of 21
-  double damaged_tooth_error_rad{3.5e-4};
+  double damaged_tooth_error_rad{7.0e-4};
   double damaged_softening{0.12};
   double damaged_lift{0.3};  // a belt that rides up on cut teeth bends the arm more, by this share
   double damaged_play_rad{6.0e-4};
-  double belt_holds_Nm{12.8};  // with its shocks; beyond, a damaged belt skips a tooth
+  double worn_jerk{2.0};  // of a gear with worn teeth, times their share: more load on the belt's cut teeth
+  double belt_holds_Nm{16.3};  // with its shocks; beyond, a damaged belt skips a tooth
   double arm_inertia_kgm2{0.32};
   // From torques in the drive train to the vertical acceleration of the end effector: two bending modes.
   double vertical_gain_per_kgm{0.07};
@@ -66,8 +67,8 @@ struct WaferMotion {
 };
 
 struct WaferNoise {
-  double current_A{0.04};
-  double velocity_rad_per_s{0.15};
+  double current_A{0.012};
+  double velocity_rad_per_s{0.03};
   double vertical_m_per_s2{0.03};
 };
 

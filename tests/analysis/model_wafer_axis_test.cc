@@ -38,7 +38,7 @@ TEST(WaferAxis, RestsBetweenMoves) {
   const WaferCycle cycle = Cycle(0.0, 0);
   double squares = 0.0;
   for (std::size_t i = 0; i < 350; ++i) squares += cycle.current_A[i] * cycle.current_A[i] / 350.0;
-  EXPECT_NEAR(std::sqrt(squares), WaferNoise{}.current_A, 0.01);
+  EXPECT_NEAR(std::sqrt(squares), WaferNoise{}.current_A, 0.002);
 }
 
 TEST(WaferAxis, WornTeethAndBeltShakeTheArm) {
