@@ -31,7 +31,7 @@ def signals(gear, belt, seed, rows=ROWS):
     for i in range(rows):
         time_s = i / RATE_HZ
         noise = draw.gauss(0, 1)
-        moving = 0.1 < time_s % 0.8 < 0.3 or 0.5 < time_s % 0.8 < 0.7
+        moving = 0.02 < time_s % 0.8 < 0.22 or 0.42 < time_s % 0.8 < 0.62
         current.append(math.sin(2 * math.pi * 20 * time_s) * (0.3 + gear) + 0.1 * draw.gauss(0, 1))
         speed.append((5 if time_s % 0.8 < 0.4 else -5) * moving + (0.2 + 0.5 * belt) * (noise - before))
         state.append(1 if moving else 0)
