@@ -107,7 +107,7 @@ struct FingerprintClassifyCommand {
 int ClassifyFiles(const FingerprintClassifyCommand& command) {
   const FingerprintModel model = ReadFingerprintModel(command.model);
   nlohmann::ordered_json verdicts = nlohmann::ordered_json::array();
-  const std::vector<std::filesystem::path> files = FilesOf(command.paths);
+  const std::vector<std::filesystem::path> files = JointRecordPaths(command.paths);
   ShareLine line;
   for (std::size_t i = 0; i < files.size(); ++i) {
     line.Show("explaining " + FileText(files[i]), static_cast<double>(i) / static_cast<double>(files.size()));

@@ -94,7 +94,7 @@ void PrintVerdict(const FileVerdict& verdict, const FingerprintModel& model) {
              verdict.residual_Nm[j]);
 }
 
-std::vector<std::filesystem::path> FilesOf(const std::vector<std::string>& paths) {
+std::vector<std::filesystem::path> JointRecordPaths(const std::vector<std::string>& paths) {
   std::vector<std::filesystem::path> files;
   for (const std::string& path : paths) {
     if (!std::filesystem::is_directory(path)) {

@@ -16,6 +16,6 @@ void PrintVerdict(const FileVerdict& verdict, const FingerprintModel& model);
 
 /// The files that were named, and of folders the .csv, .h5 and .hdf5 files in them but labels.csv, by name.
 /// @throws BenchError for a folder without any.
-std::vector<std::filesystem::path> FilesOf(const std::vector<std::string>& paths);
+std::vector<std::filesystem::path> JointRecordPaths(const std::vector<std::string>& paths);
 
 }  // namespace strainwave::bench
