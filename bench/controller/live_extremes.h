@@ -62,7 +62,7 @@ struct LiveExtremes {
   }
   void Merge(const LiveExtremes& later) noexcept {
     for (std::size_t i = 0; i < channels.size(); ++i) channels[i].Merge(later.channels[i]);
-    newest = later.newest;
+    if (later.newest > newest) newest = later.newest;  // of no readings it is none
   }
 };
 

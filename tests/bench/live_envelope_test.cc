@@ -49,6 +49,22 @@ TEST(LiveExtremes, LeaveOutBadChannelsAndWhatIsNoNumber) {
   EXPECT_EQ(none.channels, extremes.channels);
 }
 
+// A heartbeat's worth of nothing, as after the last reading of a phase, does not take it back to the first
+// second.
+TEST(LiveExtremes, AreAsOldAsTheirNewestReading) {
+  Readings readings;
+  readings.time = std::chrono::seconds(5);
+  LiveExtremes extremes;
+  extremes.Add(readings);
+  extremes.Merge({});
+  EXPECT_EQ(extremes.newest, std::chrono::seconds(5));
+  readings.time = std::chrono::seconds(6);
+  LiveExtremes later;
+  later.Add(readings);
+  extremes.Merge(later);
+  EXPECT_EQ(extremes.newest, std::chrono::seconds(6));
+}
+
 // A reading every 10 ms for more than a day, one of which is not like the others.
 TEST(Envelope, HasASpikeOfOneReadingAmongTenMillionWithItsRightValue) {
   constexpr int kReadings = 10'000'000;

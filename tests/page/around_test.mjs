@@ -79,7 +79,7 @@ try {
   const context = await browser.newContext({viewport: {width: 1280, height: 900}});
   const complaints = [];
   const learnt = campaign('learnt', ['cycles: 12', 'cycles: 24'], ['resume:\n', 'stop: {e_max_above: 50 arcmin, k2_below_share_of_first: 0.9}\n\nresume:\n']);
-  run('train', learnt, '--out', at('predictor'), '--epochs', '40');
+  run('train', learnt, '--out', at('predictor'), '--set', 'orders', '--epochs', '10');
   const over = await scratch.page(program, learnt, 0, '--predictor', at('predictor'));
   const tab = await open(context, over.address, complaints);
 
