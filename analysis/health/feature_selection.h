@@ -28,7 +28,7 @@ struct SelectionSettings {
   double rounding{0.01};
   double most_correlation{0.9};  // Pearson's, in magnitude: of two that are above, the lower score goes
   int least{1};                  // features a component, below the threshold where need be
-  int most{24};
+  int most{12};
 };
 
 struct Selection {

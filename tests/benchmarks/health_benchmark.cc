@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packets and 224 features of a cycle, and the search for the parameters of a Gaussian process, in the sizes
-// of docs/performance.md. Prints a line each: the median of several rounds, in processor time, so that others
-// on the machine count for little.
+// Packets and 224 features of a cycle, and the search for the parameters of a Gaussian process, in the sizes of
+// docs/performance.md. Prints a line each: the median of several rounds.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <random>
 #include <vector>
 
@@ -14,14 +13,16 @@
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 template <typename Work>
 double Median_us(int rounds, int repeats, const Work& work) {
   std::vector<double> times_us;
   work();
   for (int round = 0; round < rounds; ++round) {
-    const std::clock_t start = std::clock();
+    const auto start = Clock::now();
     for (int repeat = 0; repeat < repeats; ++repeat) work();
-    times_us.push_back(1e6 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / repeats);
+    times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count() / repeats);
   }
   std::ranges::sort(times_us);
   return times_us[times_us.size() / 2];
@@ -57,8 +58,9 @@ int main() {
     }
     const statistics::ReplicatedData data = statistics::Replicated(places, measured);
     double likelihood = 0.0;
-    const double time_us =
-        Median_us(9, 3, [&] { likelihood = statistics::FitGaussianProcess(data, {}).log_likelihood(); });
+    const double time_us = Median_us(9, 3, [&] {
+      likelihood = statistics::FitGaussianProcess(data, {}).log_likelihood();
+    });
     std::printf("gaussian process of 45 points, %d coordinates, 10 restarts: %.2f ms, ln likelihood %.4f\n",
                 static_cast<int>(coordinates), time_us / 1000.0, likelihood);
   }
