@@ -18,4 +18,9 @@ namespace strainwave::analysis {
 using Lanes = double __attribute__((vector_size(64), aligned(8), may_alias));
 inline constexpr int kLanes = 8;
 
+/// Half of them: what the registers of a machine with AVX2 hold. g++ 12 takes sums of `Lanes` through memory
+/// there, where many of them are kept at once.
+using HalfLanes = double __attribute__((vector_size(32), aligned(8), may_alias));
+inline constexpr int kHalfLanes = 4;
+
 }  // namespace strainwave::analysis

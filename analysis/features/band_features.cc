@@ -19,11 +19,11 @@ namespace {
 
 constexpr double kSmallest = std::numeric_limits<double>::min();
 
-const Lanes* LanesAt(const double* place) { return reinterpret_cast<const Lanes*>(place); }
+const HalfLanes* LanesAt(const double* place) { return reinterpret_cast<const HalfLanes*>(place); }
 
-double SumOf(const Lanes& lanes) {
+double SumOf(const HalfLanes& lanes) {
   const auto* v = reinterpret_cast<const double*>(&lanes);
-  return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+  return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
 // Σ x, Σ |x|, Σ x², Σ √|x|, Σ ln x², Σ x² ln x², and the ends.
@@ -40,33 +40,29 @@ void RootsAndLogs(const double* x, std::size_t n, double* roots, double* logs) {
   }
 }
 
+// In two passes: more sums than these do not fit into the registers of a machine.
 STRAINWAVE_VECTOR_CLONES
-void AddFirst(const double* x, const double* roots, const double* logs, std::size_t n, FirstSums& out) {
-  Lanes sum{};
-  Lanes magnitudes{};
-  Lanes squares{};
-  Lanes root_sum{};
-  Lanes log_sum{};
-  Lanes entropy{};
-  Lanes least = x[0] - Lanes{};
-  Lanes greatest = least;
+void AddSigned(const double* x, std::size_t n, FirstSums& out) {
+  HalfLanes sum{};
+  HalfLanes magnitudes{};
+  HalfLanes squares{};
+  HalfLanes least = x[0] - HalfLanes{};
+  HalfLanes greatest = least;
   std::size_t i = 0;
-  for (; i + kLanes <= n; i += kLanes) {
-    const Lanes v = *LanesAt(x + i);
-    const Lanes square = v * v;
-    const Lanes log_square = *LanesAt(logs + i);
+  for (; i + kHalfLanes <= n; i += kHalfLanes) {
+    const HalfLanes v = *LanesAt(x + i);
     sum += v;
     magnitudes += v < 0.0 ? -v : v;
-    squares += square;
-    root_sum += *LanesAt(roots + i);
-    log_sum += log_square;
-    entropy += square * log_square;
+    squares += v * v;
     least = v < least ? v : least;
     greatest = v > greatest ? v : greatest;
   }
-  out = {SumOf(sum),     SumOf(magnitudes), SumOf(squares), SumOf(root_sum),
-         SumOf(log_sum), SumOf(entropy),    least[0],       greatest[0]};
-  for (int lane = 1; lane < kLanes; ++lane) {
+  out.sum = SumOf(sum);
+  out.magnitudes = SumOf(magnitudes);
+  out.squares = SumOf(squares);
+  out.least = least[0];
+  out.greatest = greatest[0];
+  for (int lane = 1; lane < kHalfLanes; ++lane) {
     out.least = std::min(out.least, least[lane]);
     out.greatest = std::max(out.greatest, greatest[lane]);
   }
@@ -74,11 +70,31 @@ void AddFirst(const double* x, const double* roots, const double* logs, std::siz
     out.sum += x[i];
     out.magnitudes += std::abs(x[i]);
     out.squares += x[i] * x[i];
+    out.least = std::min(out.least, x[i]);
+    out.greatest = std::max(out.greatest, x[i]);
+  }
+}
+
+STRAINWAVE_VECTOR_CLONES
+void AddLogarithms(const double* x, const double* roots, const double* logs, std::size_t n, FirstSums& out) {
+  HalfLanes root_sum{};
+  HalfLanes log_sum{};
+  HalfLanes entropy{};
+  std::size_t i = 0;
+  for (; i + kHalfLanes <= n; i += kHalfLanes) {
+    const HalfLanes v = *LanesAt(x + i);
+    const HalfLanes log_square = *LanesAt(logs + i);
+    root_sum += *LanesAt(roots + i);
+    log_sum += log_square;
+    entropy += v * v * log_square;
+  }
+  out.roots = SumOf(root_sum);
+  out.logs = SumOf(log_sum);
+  out.entropy = SumOf(entropy);
+  for (; i < n; ++i) {
     out.roots += roots[i];
     out.logs += logs[i];
     out.entropy += x[i] * x[i] * logs[i];
-    out.least = std::min(out.least, x[i]);
-    out.greatest = std::max(out.greatest, x[i]);
   }
 }
 
@@ -88,13 +104,13 @@ struct Moments {
 
 STRAINWAVE_VECTOR_CLONES
 void AddMoments(const double* x, std::size_t n, double mean, Moments& out) {
-  Lanes second{};
-  Lanes third{};
-  Lanes fourth{};
+  HalfLanes second{};
+  HalfLanes third{};
+  HalfLanes fourth{};
   std::size_t i = 0;
-  for (; i + kLanes <= n; i += kLanes) {
-    const Lanes away = *LanesAt(x + i) - mean;
-    const Lanes square = away * away;
+  for (; i + kHalfLanes <= n; i += kHalfLanes) {
+    const HalfLanes away = *LanesAt(x + i) - mean;
+    const HalfLanes square = away * away;
     second += square;
     third += square * away;
     fourth += square * square;
@@ -122,7 +138,8 @@ std::size_t BandFeatures(std::span<const double> band, bool normalised_entropy, 
   workspace.logs.resize(n);
   RootsAndLogs(band.data(), n, workspace.roots.data(), workspace.logs.data());
   FirstSums sums{};
-  AddFirst(band.data(), workspace.roots.data(), workspace.logs.data(), n, sums);
+  AddSigned(band.data(), n, sums);
+  AddLogarithms(band.data(), workspace.roots.data(), workspace.logs.data(), n, sums);
   const auto count = static_cast<double>(n);
   const double mean = sums.sum / count;
   Moments moments{};
