@@ -30,5 +30,6 @@ const post = (path, body, patience_ms = PATIENCE_MS) => answerOf(path, {
 /// An action on one run, with a token that is good once; a campaign that goes on takes its time to begin.
 export const act = (action, run, token, more = {}) => post('/api/v1/actions', {action, run, token, ...more}, 40000);
 
-export const logIn = (name, password) => post('/api/v1/login', {name, password});
+/// A password takes a busy machine its time.
+export const logIn = (name, password) => post('/api/v1/login', {name, password}, 40000);
 export const logOut = () => post('/api/v1/logout', {});

@@ -293,8 +293,7 @@ function lock(is_locked) {
   if (!locked) return;
   state = null;
   [alarmsShown, notesShown] = ['', ''];
-  for (const id of ['journal', 'alarms', 'notes', 'specimen', 'answer']) $(id).replaceChildren();
-  $('answer').hidden = true;
+  for (const id of ['journal', 'alarms', 'notes', 'specimen']) $(id).replaceChildren();  // what became of a quick stop stays
   $('state').dataset.state = 'loading';
   put('state-shape', '○');
   put('state-word', 'Log in to look on');
