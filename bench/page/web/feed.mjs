@@ -44,14 +44,22 @@ export class Stream {
 /// state when it is looked at again.
 export function follow(take) {
   let tell;
+  const alone = () => {
+    const stream = new Stream(take);
+    tell = what => what === 'away' ? stream.close() : stream.open();
+  };
   if (globalThis.SharedWorker) {
     const worker = new SharedWorker('/feed_worker.mjs', {type: 'module', name: 'strainwave feed'});
     worker.port.addEventListener('message', event => take(event.data));
     worker.port.start();
     tell = what => worker.port.postMessage(what);
+    // One that cannot be loaded, for a certificate that the browser trusts in pages alone.
+    worker.addEventListener('error', () => {
+      alone();
+      say();
+    });
   } else {
-    const stream = new Stream(take);
-    tell = what => what === 'away' ? stream.close() : stream.open();
+    alone();
   }
   const say = () => tell(document.visibilityState === 'visible' ? 'here' : 'away');
   document.addEventListener('visibilitychange', say);

@@ -53,7 +53,8 @@ TEST_F(SessionsOfAPage, EndWhenTheirUserIsAnother) {
   sessions_.KeepOnly({kMeier});
   EXPECT_TRUE(Holds());
   for (const User& changed :
-       {User{"meier", UserRole::kViewer, "hash"}, User{"meier", UserRole::kOperator, "new"}}) {
+       {User{"meier", UserRole::kViewer, "hash"}, User{"meier", UserRole::kOperator, "new"},
+        User{"schulz", UserRole::kOperator, "hash"}}) {
     sessions_.Open("secret", kMeier, now_);
     sessions_.KeepOnly({changed});
     EXPECT_FALSE(Holds());
