@@ -40,6 +40,10 @@ TEST(CyclesQuery, SaysWhatIsWrong) {
             "to = 4 is before from = 5 (expected the same cycle or a later one)");
   EXPECT_EQ(WhatIsWrong({{"form", "5"}}), "'form' is not known (expected from, to, points or quantities)");
   EXPECT_EQ(WhatIsWrong({{"to", "5"}, {"to", "6"}}), "to stands there twice (expected once)");
+  EXPECT_EQ(WhatIsWrong({{"quantities", "a,b,c,d,e,f,g,h,i,j,k,l,m,n,o,p"}}), "") << "sixteen";
+  EXPECT_NE(WhatIsWrong({{"quantities", "a,b,c,d,e,f,g,h,i,j,k,l,m,n,o,p,q"}}), "");
+  EXPECT_NE(WhatIsWrong({{"quantities", std::string(65, 'a')}}), "");
+  EXPECT_NE(WhatIsWrong({{"quantities", "a,"}}), "");
   EXPECT_EQ(
       WhatIsWrong({{"quantities", "k1';DROP"}}),
       "quantities (expected at most 16 names of results, separated by commas: k1_Nm_per_rad,e_max_arcmin)");

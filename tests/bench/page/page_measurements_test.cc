@@ -2,8 +2,12 @@
 #include "bench/page/measurements.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
+
+#include "analysis/units.h"
 
 namespace strainwave::bench::page_measurements_test {
 namespace {
@@ -39,6 +43,11 @@ TEST(ThinnedCurve, KeepsTheOrderOfItsPoints) {
   EXPECT_TRUE(std::ranges::is_sorted(thinned.x));
 }
 
+TEST(ThinnedCurve, HasEachPointOnce) {
+  const PlotCurve thinned = Thinned(Line(1000), 50);
+  EXPECT_EQ(std::ranges::adjacent_find(thinned.x, std::ranges::greater_equal()), thinned.x.end());
+}
+
 TEST(ThinnedCurve, OfFewPointsIsTheCurve) {
   const PlotCurve curve = Line(50);
   EXPECT_EQ(Thinned(curve, 50).x, curve.x);
@@ -51,6 +60,18 @@ TEST(Measurements, ThatAreNotThereAreNull) {
   EXPECT_TRUE(json["hysteresis"].is_null());
   EXPECT_TRUE(json["transmission_error"].is_null());
   EXPECT_TRUE(json["spectrum"].is_null());
+}
+
+TEST(Measurements, OfOneDirectionHaveNoneOfTheOther) {
+  CycleCurves curves;
+  curves.analysis.transmission_error.emplace();
+  auto& cw = curves.analysis.transmission_error->cw.emplace();
+  cw.output_angle_rad = {RadFromDeg(0.0), RadFromDeg(90.0), RadFromDeg(180.0)};
+  cw.error_rad = {0.0, RadFromDeg(1.0 / 60.0), std::nan("")};
+  const nlohmann::json json = MeasurementsJson(3, curves)["transmission_error"];
+  EXPECT_EQ(json["cw"]["angle_deg"], nlohmann::json({0.0, 90.0, 180.0}));
+  EXPECT_EQ(json["cw"]["error_arcmin"], nlohmann::json({0.0, 1.0, nullptr})) << "what is no number is null";
+  EXPECT_TRUE(json["ccw"].is_null());
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ class AnotherProcess : public testing::Test {
 };
 
 TEST_F(AnotherProcess, IsWaitedForByWhatItWrites) {
-  const Shell shell("for i in 1 2 3; do echo $i >> '" + file_.string() + "'; sleep 0.3; done; exec sleep 1000");
+  const Shell shell("for i in 1 2 3; do echo $i >> '" + file_.string() +
+                    "'; sleep 0.3; done; exec sleep 1000");
   EXPECT_EQ(Await(shell.process(), file_, hours(1), [&] { return Says("3"); }), Awaited::kDone);
   EXPECT_LT(looks_, 20) << "it sleeps in between";
 }

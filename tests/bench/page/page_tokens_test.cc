@@ -36,6 +36,8 @@ TEST(PageTokens, CannotBeMadeUp) {
     EXPECT_EQ(tokens.Look(token.substr(0, i), "run").answer, Answer::kUnknown) << i;
   }
   EXPECT_EQ(tokens.Look("", "run").answer, Answer::kUnknown);
+  EXPECT_EQ(tokens.Look(token + "0", "run").answer, Answer::kUnknown) << "or it would be good twice";
+  EXPECT_EQ(tokens.Look("0" + token, "run").answer, Answer::kUnknown);
 }
 
 TEST(PageTokens, DifferEachTime) {
@@ -52,7 +54,12 @@ TEST(PageTokens, AreNotGoodTwiceWhenMoreWereUsedThanAreKept) {
     tokens.Spend(issued[i], "done");
   }
   for (const std::string& token : issued) EXPECT_NE(tokens.Look(token, "run").answer, Answer::kGood);
-  EXPECT_EQ(tokens.Look(tokens.Issue("run"), "run").answer, Answer::kGood) << "a new one is good";
+  const std::string first = tokens.Issue("run");
+  const std::string second = tokens.Issue("run");
+  EXPECT_EQ(tokens.Look(first, "run").answer, Answer::kGood) << "a new one is good";
+  tokens.Spend(first, "done");
+  EXPECT_EQ(tokens.Look(first, "run").answer, Answer::kUsed) << "there is room again";
+  EXPECT_EQ(tokens.Look(second, "run").answer, Answer::kGood);
 }
 
 }  // namespace
