@@ -180,6 +180,12 @@ TEST_F(PageActions, ThatMakeNoSenseAreAnsweredInWords) {
   LogIn(UserRole::kOperator);
   EXPECT_EQ(Refused(Request("acknowledge", "run 2", Token())).body["error"],
             "'alarm' is missing or no number (expected the number of an alarm)");
+  EXPECT_EQ(Refused(Request("acknowledge", "run 2", Token(), R"(,"alarm":"3")")).body["error"],
+            "'alarm' is missing or no number (expected the number of an alarm)");
+  EXPECT_EQ(Refused(Request("acknowledge", "run 2", Token(), R"(,"alarm":0)")).body["error"],
+            "'alarm' is 0 (expected the number of an alarm)");
+  EXPECT_EQ(Refused(Request("acknowledge", "run 2", Token(), R"(,"alarm":-1e300)")).body["error"],
+            "'alarm' is -1e+300 (expected the number of an alarm)");
   EXPECT_EQ(Refused(Request("confirm", "run 2", Token(), R"(,"alarm":1.5)")).body["error"],
             "'alarm' is 1.5 (expected the number of an alarm)");
   EXPECT_EQ(Refused(Request("shelve", "run 2", Token(), R"(,"alarm":1)")).body["error"],
