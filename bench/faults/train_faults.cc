@@ -139,7 +139,8 @@ std::string PredictorTraining(const std::filesystem::path& folder, const FaultRe
   for (std::size_t k = 0; k < outcome.splits.size(); ++k) {
     const FaultSplit& split = outcome.splits[k];
     const auto& scores = chosen.splits[k].classes;
-    if (!scores || !samples.classes) continue;
+    // The card of a model whose outputs are no probabilities has no place for them.
+    if (!scores || job.network.line != faults::FaultLine::kOurs) continue;
     splits.push_back({{"split", split.name},
                       {"meaning", split.meaning},
                       {"train", split.folds.folds.front().train.size()},

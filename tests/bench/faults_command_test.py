@@ -198,6 +198,8 @@ class Faults(unittest.TestCase):
         counts = report["confusion"]["unit_left_out"]["crack"]
         self.assertEqual(sum(counts[key] for key in ("present_told", "absent_told", "present_missed",
                                                      "absent_not_told")), 36)
+        code, _, error = run("export", FOLDER / "several", "--out", FOLDER / "exported_several")
+        self.assertEqual(code, 0, error)
         path = record(FOLDER / "both.csv", 990, "both")
         verdict = json.loads(run("faults", "classify", FOLDER / "several", path, "--json")[1])[0]
         self.assertEqual((verdict["class"], verdict["faults"]), ("crack+wear", ["crack", "wear"]))
@@ -336,6 +338,8 @@ class Faults(unittest.TestCase):
         path = record(FOLDER / "by_study.csv", 970, "worn")
         verdict = json.loads(run("faults", "classify", FOLDER / "study", path, "--json")[1])[0]
         self.assertEqual(verdict["class"], "worn")
+        code, _, error = run("export", FOLDER / "study", "--out", FOLDER / "exported_study")
+        self.assertEqual(code, 0, error)
 
     def test_pictures_are_drawn_when_asked_for(self):
         with needed.peers("/usr/bin/gnuplot"):
