@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A journal whose file is damaged, read where nothing can be written, or left behind by a killed program.
+#include <linux/capability.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -145,15 +147,13 @@ TEST_F(JournalPages, AreReadFromALogWhereNothingCanBeWritten) {
   LeaveALog();
   for (const bool with_index : {true, false}) {
     if (!with_index) fs::remove(file_.string() + "-shm");
-    // Root may write anywhere, so as somebody else.
     const pid_t process = ::fork();
     if (process == 0) {
-      if (::getuid() == 0) {
-        fs::permissions(folder_, fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
-        if (::setgid(65534) != 0 || ::setuid(65534) != 0) ::_exit(3);
-      } else {
-        fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
-      }
+      // Root may write anywhere; without its capabilities it is held to the permissions of what it owns.
+      __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+      const __user_cap_data_struct none[_LINUX_CAPABILITY_U32S_3]{};
+      if (::syscall(SYS_capset, &header, none) != 0) ::_exit(3);
+      fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
       try {
         const Journal journal = Journal::Open(file_, Database::Mode::kReadOnly);
         ::_exit(journal.Events(1).at(0).text == "from the log" && journal.LastCompleteCycle() == 40 ? 0 : 1);
