@@ -92,7 +92,10 @@ WhatIf AskWhatIf(const statistics::GaussianProcess& surface, const SystemScale& 
   const Eigen::Index all = count - 1;
   WhatIf result;
   result.system = systems[static_cast<std::size_t>(all)];
-  result.baseline = systems.front();
+  // A share, as the others: of the surface.
+  Eigen::VectorXd none = Eigen::VectorXd::Zero(count);
+  none(0) = 1.0;
+  result.baseline = {corners.Sum(none), systems.front().extrapolated};
   Eigen::VectorXd left = Difference(count, all, 0);
   std::vector<Eigen::VectorXd> gains;
   for (Eigen::Index c = 0; c < n; ++c) {

@@ -105,10 +105,18 @@ std::filesystem::path DrawCoefficients(const HealthData& data, const std::filesy
   for (std::size_t place = 0; place < bands.size(); ++place) {
     const auto band = std::ranges::find(bands, place, &analysis::features::PacketBand::by_frequency);
     const auto leaf = static_cast<std::size_t>(band - bands.begin());
+    std::vector<analysis::wavelets::Packets> all(shown.size());
+    double most = 1e-12;  // one scale for all conditions
     for (std::size_t k = 0; k < shown.size(); ++k) {
-      analysis::wavelets::Packets packets;
+      analysis::wavelets::DecomposePackets(shown[k]->channels.front(), bank, data.recipe.border,
+                                           data.recipe.levels, all[k]);
+      for (const double value : all[k].leaves[leaf]) most = std::max(most, std::abs(value));
+    }
+    panels +=
+        fmt::format("set yrange [{0}:{1}]\nset ytics ({0}, 0, {1})\nset format y '%.2g'\n", -most, most);
+    for (std::size_t k = 0; k < shown.size(); ++k) {
+      const analysis::wavelets::Packets& packets = all[k];
       const std::vector<double>& x = shown[k]->channels.front();
-      analysis::wavelets::DecomposePackets(x, bank, data.recipe.border, data.recipe.levels, packets);
       std::vector<double> time_s(packets.leaves[leaf].size());
       for (std::size_t i = 0; i < time_s.size(); ++i)
         time_s[i] =

@@ -199,6 +199,7 @@ TEST(WhatIf, NoisyMeasurementsMakeTheRankingATie) {
       AskWhatIf(FigureSixteen(0.0, 0.3), {}, Eigen::Vector2d(0.5, 0.83), IntervalOf::kMeasurement);
   EXPECT_GT(measured.system.index.high, answer.system.index.high);
   EXPECT_EQ(measured.shapley[0].high, answer.shapley[0].high);
+  EXPECT_EQ(measured.baseline.index.high, answer.baseline.index.high);
 }
 
 TEST(WhatIf, CornersBeyondWhatWasMeasuredAreMarked) {
