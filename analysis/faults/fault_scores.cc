@@ -153,15 +153,4 @@ Eigen::RowVectorXd LabelThresholds(const Eigen::MatrixXd& targets, const Eigen::
   return thresholds;
 }
 
-ShareInterval WilsonInterval(double right, double all) {
-  if (!(all > 0.0)) return {0.0, 1.0};
-  constexpr double kDeviations = 1.959963984540054;
-  const double share = right / all;
-  const double squared = kDeviations * kDeviations;
-  const double middle = (share + 0.5 * squared / all) / (1.0 + squared / all);
-  const double half = kDeviations / (1.0 + squared / all) *
-                      std::sqrt(share * (1.0 - share) / all + 0.25 * squared / (all * all));
-  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
-}
-
 }  // namespace strainwave::analysis::faults

@@ -79,12 +79,4 @@ std::optional<LabelScores> ScoreLabels(const Eigen::MatrixXd& targets, const Eig
 /// that are equally good, 0.5 where none is tested.
 Eigen::RowVectorXd LabelThresholds(const Eigen::MatrixXd& targets, const Eigen::MatrixXd& probability);
 
-/// 95 % interval of a share of `right` among `all`: Wilson's.
-/// Source: docs/sources.md#wilson-1927.
-struct ShareInterval {
-  double low{};
-  double high{};
-};
-ShareInterval WilsonInterval(double right, double all);
-
 }  // namespace strainwave::analysis::faults

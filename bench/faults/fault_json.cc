@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "analysis/prediction/class_scores.h"
+
 namespace strainwave::bench {
 namespace {
 
@@ -53,8 +55,8 @@ Json SplitJson(const FaultSplit& split, const FaultSplitResult& result) {
   const auto accuracy = result.Accuracy();
   if (!accuracy) return json;
   const auto tested = static_cast<double>(result.Tested());
-  const faults::ShareInterval interval = faults::WilsonInterval(*accuracy * tested, tested);
-  json["accuracy"] = {{"value", *accuracy}, {"low", interval.low}, {"high", interval.high}};
+  const auto [low, high] = analysis::prediction::WilsonInterval(*accuracy * tested, tested);
+  json["accuracy"] = {{"value", *accuracy}, {"low", low}, {"high", high}};
   if (result.classes) {
     json["undecided"] = static_cast<double>(result.classes->undecided) / tested;
     json["decided_accuracy"] = NumberOrNull(result.classes->decided_accuracy);

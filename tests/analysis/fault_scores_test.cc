@@ -154,13 +154,5 @@ TEST(LabelThresholds, LieBetweenWhatIsThereAndWhatIsNot) {
   EXPECT_DOUBLE_EQ(LabelThresholds(targets, probability)(0), 0.5);
 }
 
-// R: binom::binom.wilson(8, 10), (0, 10)
-TEST(WilsonInterval, AgreesWithR) {
-  EXPECT_NEAR(WilsonInterval(8, 10).low, 0.4901625, 1e-6);
-  EXPECT_NEAR(WilsonInterval(8, 10).high, 0.9433178, 1e-6);
-  EXPECT_NEAR(WilsonInterval(0, 10).low, 0.0, 1e-12);
-  EXPECT_NEAR(WilsonInterval(0, 10).high, 0.2775328, 1e-6);
-}
-
 }  // namespace
 }  // namespace strainwave::analysis::faults::fault_scores_test
