@@ -33,6 +33,16 @@ void AddPageOptions(CLI::App& command, PageOptions& options, CLI::Option* needs)
   added.push_back(command.add_option("--tls", options.tls, "certificate and key (PEM): the page by https")
                       ->expected(2)
                       ->type_name("CERT KEY"));
+  CLI::Option* const predictor = command.add_option(
+      "--predictor", options.predictor,
+      "what it says of the newest cycle beside what was measured: a folder that train has written");
+  added.push_back(predictor);
+  added.push_back(
+      command
+          .add_option(
+              "--baseline", options.baseline,
+              "what the reducer was like at first, as `baseline` writes it, for a predictor of changes")
+          ->needs(predictor));
   if (needs == nullptr) return;
   for (CLI::Option* option : added) option->needs(needs);
 }
@@ -71,6 +81,8 @@ std::vector<std::string> WordsOf(const PageOptions& options) {
   for (const std::string& host : options.hosts) words.insert(words.end(), {"--host", host});
   if (!options.users.empty()) words.insert(words.end(), {"--users", options.users});
   if (!options.tls.empty()) words.insert(words.end(), {"--tls", options.tls[0], options.tls[1]});
+  if (!options.predictor.empty()) words.insert(words.end(), {"--predictor", options.predictor});
+  if (!options.baseline.empty()) words.insert(words.end(), {"--baseline", options.baseline});
   return words;
 }
 

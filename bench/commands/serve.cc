@@ -29,8 +29,6 @@ namespace {
 struct ServeOptions {
   std::string folder;
   PageOptions page;
-  std::string predictor;
-  std::string baseline;
 };
 
 std::unique_ptr<PageServer> Serve(const ServeOptions& options, const TlsIdentity* tls) {
@@ -42,8 +40,8 @@ std::unique_ptr<PageServer> Serve(const ServeOptions& options, const TlsIdentity
                         .users_file = {},
                         .tls = tls,
                         .complain = {}};
-  settings.predictor = options.predictor;
-  settings.baseline = options.baseline;
+  settings.predictor = options.page.predictor;
+  settings.baseline = options.page.baseline;
   if (!options.page.users.empty()) settings.users_file = options.page.users;
   settings.complain = [](const std::string& sentence) { ToStderr("warning: {}\n", sentence); };
   try {
@@ -108,13 +106,6 @@ void AddServe(CLI::App& app, Action& action) {
   auto options = std::make_shared<ServeOptions>();
   command->add_option("DIR", options->folder, "the campaign's folder")->required();
   AddPageOptions(*command, options->page, nullptr);
-  CLI::Option* const predictor = command->add_option(
-      "--predictor", options->predictor,
-      "what it says of the newest cycle beside what was measured: a folder that train has written");
-  command
-      ->add_option("--baseline", options->baseline,
-                   "what the reducer was like at first, as `baseline` writes it, for a predictor of changes")
-      ->needs(predictor);
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }
 

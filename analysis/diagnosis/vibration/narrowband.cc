@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <utility>
 
 #include "analysis/units.h"
 
@@ -49,7 +50,8 @@ namespace {
 // @param filters  one a column, or one for all
 template <int kWidth>
 void PredictColumns(std::span<const InnovationFilter> filters, std::span<const char> breaks,
-                    std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns, Eigen::Index first) {
+                    std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns,
+                    Eigen::Ref<PredictionState> state, Eigen::Index first) {
   using Row = Eigen::Array<double, kWidth, 1>;
   const Row zero = Row::Zero();
   Row a1, a2, c1, c2;
@@ -60,13 +62,16 @@ void PredictColumns(std::span<const InnovationFilter> filters, std::span<const c
     c1(c) = own.c1;
     c2(c) = own.c2;
   }
-  Row y1 = zero, y2 = zero, e1 = zero, e2 = zero;
+  const auto known = [&](Eigen::Index row) {
+    return state.row(row).template segment<kWidth>(first).transpose();
+  };
+  Row y1 = known(0), y2 = known(1), e1 = known(2), e2 = known(3);
   for (Eigen::Index i = 0; i < columns.rows(); ++i) {
     if (breaks[static_cast<std::size_t>(i)] != 0) y1 = y2 = e1 = e2 = zero;
     // What is known last comes last.
     const Row expected = (c2 * e2 - a2 * y2 - a1 * y1) + c1 * e1;
     Row y = expected;
-    if (missing[static_cast<std::size_t>(i)] == 0) {
+    if (missing.empty() || missing[static_cast<std::size_t>(i)] == 0) {
       for (int c = 0; c < kWidth; ++c) y(c) = columns(i, first + c);
     }
     y2 = y1;
@@ -75,20 +80,31 @@ void PredictColumns(std::span<const InnovationFilter> filters, std::span<const c
     e1 = y - expected;
     for (int c = 0; c < kWidth; ++c) columns(i, first + c) = expected(c);
   }
+  for (const auto& [row, values] : {std::pair{0, &y1}, {1, &y2}, {2, &e1}, {3, &e2}})
+    state.row(row).template segment<kWidth>(first) = values->matrix().transpose();
 }
 
 }  // namespace
 
 void Predict(std::span<const InnovationFilter> filters, std::span<const char> breaks,
-             std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns) {
+             std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns,
+             Eigen::Ref<PredictionState> state) {
   Eigen::Index first = 0;
   for (; first + 4 <= columns.cols(); first += 4) {
-    PredictColumns<4>(filters, breaks, missing, columns, first);
+    PredictColumns<4>(filters, breaks, missing, columns, state, first);
   }
   for (; first + 2 <= columns.cols(); first += 2) {
-    PredictColumns<2>(filters, breaks, missing, columns, first);
+    PredictColumns<2>(filters, breaks, missing, columns, state, first);
   }
-  for (; first < columns.cols(); ++first) PredictColumns<1>(filters, breaks, missing, columns, first);
+  for (; first < columns.cols(); ++first) {
+    PredictColumns<1>(filters, breaks, missing, columns, state, first);
+  }
+}
+
+void Predict(std::span<const InnovationFilter> filters, std::span<const char> breaks,
+             std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns) {
+  PredictionState state = PredictionState::Zero(4, columns.cols());
+  Predict(filters, breaks, missing, columns, state);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -28,7 +28,16 @@ InnovationFilter FilterOf(const Narrowband& narrowband, double period_s);
 /// Replaces each sample of each column by what the samples before it predict. Begins anew where `breaks`
 /// says so; for a sample that is missing what was predicted stands in.
 /// @param filters  one a column, or one for all
+/// @param missing  empty: none is
 void Predict(std::span<const InnovationFilter> filters, std::span<const char> breaks,
              std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns);
+
+/// Of each column the last two samples and the last two innovations, the newest first; zero before the first.
+using PredictionState = Eigen::Matrix4Xd;
+
+/// The same of rows that follow on those whose state is given, which becomes that of the last row here.
+void Predict(std::span<const InnovationFilter> filters, std::span<const char> breaks,
+             std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns,
+             Eigen::Ref<PredictionState> state);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -18,6 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kLongestMissing = 8;
+constexpr Index kRowsOfBlock = 1024;  // of four columns a channel and what predicts them, in the second cache
 
 std::vector<double> NonlinearParametersFrom(const std::vector<VibrationTerm>& terms, std::size_t from) {
   std::vector<double> nonlinear_parameters;
@@ -84,7 +85,8 @@ VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<cons
                                  ParallelFor parallel)
     : samples_(samples), parallel_(std::move(parallel)), weights_(weights.begin(), weights.end()) {
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
-    for (const VibrationSegment& channel : samples_.runs[r].channels) run_channels_.push_back({r, &channel});
+    for (const VibrationSegment& channel : samples_.runs[r].channels)
+      run_channels_.push_back({r, &channel, false});
   }
   breaks_.assign(weights_.size(), 0);
   missing_.assign(weights_.size(), 0);
@@ -97,6 +99,11 @@ VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<cons
                 missing_.begin() + static_cast<std::ptrdiff_t>(end), 1);
     i = end + 1;
   }
+  for (RunChannel& own : run_channels_) {
+    const auto first = missing_.begin() + static_cast<std::ptrdiff_t>(own.channel->first);
+    const auto end = first + static_cast<std::ptrdiff_t>(samples_.runs[own.run].size());
+    own.misses_samples = std::find(first, end, 1) != end;
+  }
 }
 
 VibrationSolver::ChannelCombination VibrationSolver::CombinationOf(const VibrationTerm& narrowband,
@@ -104,15 +111,15 @@ VibrationSolver::ChannelCombination VibrationSolver::CombinationOf(const Vibrati
   const std::vector<VibrationSegment>& channels = samples_.runs[run].channels;
   std::size_t first = 0;
   for (std::size_t r = 0; r < run; ++r) first += samples_.runs[r].channels.size();
-  ChannelCombination combined{VectorXd::Zero(static_cast<Index>(channels.size())),
-                              {},
-                              std::vector<char>(samples_.runs[run].size(), 0)};
+  ChannelCombination combined{VectorXd::Zero(static_cast<Index>(channels.size())), {}, {}};
   std::vector<char>& missing = combined.missing;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     if (narrowband.observable[first + c] == 0 || narrowband.nonlinear_parameters[2 + first + c] == 0.0)
       continue;
     combined.unit(static_cast<Index>(c)) = narrowband.nonlinear_parameters[2 + first + c];
+    if (!run_channels_[first + c].misses_samples) continue;
     const auto own = missing_.begin() + static_cast<std::ptrdiff_t>(channels[c].first);
+    missing.resize(samples_.runs[run].size());
     std::transform(missing.begin(), missing.end(), own, missing.begin(), std::bit_or<>());
   }
   const double size = combined.unit.norm();
@@ -155,17 +162,26 @@ void VibrationSolver::TakeOffPredicted(std::span<const VibrationTerm> terms,
       const auto n = static_cast<Index>(run.size());
       const ChannelCombination combined = CombinationOf(term, r);
       if (combined.unit.isZero(0.0)) continue;
-      const auto of_channel = [&](std::size_t c) {
-        return left.middleRows(static_cast<Index>(run.channels[c].first), n);
-      };
-      MatrixXd together = MatrixXd::Zero(n, left.cols());
-      for (std::size_t c = 0; c < run.channels.size(); ++c)
-        together += combined.unit(static_cast<Index>(c)) * of_channel(c);
-      Predict({&combined.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
-              combined.missing, together);
-      for (std::size_t c = 0; c < run.channels.size(); ++c) {
-        const double unit = combined.unit(static_cast<Index>(c));
-        if (unit != 0.0) of_channel(c) -= unit * together;
+      const std::span breaks = std::span(breaks_).subspan(run.channels.front().first, run.size());
+      PredictionState state = PredictionState::Zero(4, left.cols());
+      for (Index begin = 0; begin < n; begin += kRowsOfBlock) {
+        const Index count = std::min(kRowsOfBlock, n - begin);
+        const auto of_channel = [&](std::size_t c) {
+          return left.middleRows(static_cast<Index>(run.channels[c].first) + begin, count);
+        };
+        const auto rows = [&](std::span<const char> of_run) {
+          return of_run.empty()
+                     ? of_run
+                     : of_run.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count));
+        };
+        MatrixXd together = MatrixXd::Zero(count, left.cols());
+        for (std::size_t c = 0; c < run.channels.size(); ++c)
+          together += combined.unit(static_cast<Index>(c)) * of_channel(c);
+        Predict({&combined.filter, 1}, rows(breaks), rows(combined.missing), together, state);
+        for (std::size_t c = 0; c < run.channels.size(); ++c) {
+          const double unit = combined.unit(static_cast<Index>(c));
+          if (unit != 0.0) of_channel(c) -= unit * together;
+        }
       }
     }
   }

@@ -112,13 +112,14 @@ class VibrationSolver {
   struct RunChannel {
     std::size_t run;
     const VibrationSegment* channel;
+    bool misses_samples;
   };
   /// How a narrow-band term combines the channels of a run: along a unit vector, zero where it is observable
   /// in none, but for samples that one of them misses.
   struct ChannelCombination {
     Eigen::VectorXd unit;
     InnovationFilter filter;
-    std::vector<char> missing;
+    std::vector<char> missing;  // empty: none
   };
   ChannelCombination CombinationOf(const VibrationTerm& narrowband, std::size_t run) const;
   /// Channels of one run, one after the other, that have the same columns.

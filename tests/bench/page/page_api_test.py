@@ -321,6 +321,12 @@ class RunWithItsPage(live_page.RunningCampaign):
         self.assertEqual(process.wait(live_page.PATIENCE_s), 130)
         until(lambda: page.state()["state"] == "stopped")
 
+    def test_hands_it_the_predictor(self):
+        process = self.begin("--serve", "--port", "0", "--predictor", "none")
+        self.assertIn("warning: the campaign runs without its page: none/predictor.json: error: cannot be read (expected a predictor",
+                      self.folder.with_suffix(".txt").read_text())
+        self.assertIsNone(process.poll())
+
     def test_goes_on_without_it(self):
         with socket.create_server(("127.0.0.1", 0)) as taken:
             port = taken.getsockname()[1]
