@@ -71,6 +71,7 @@ struct SeparableModel {
   std::string unit;
   double unit_per_si{1.0};
   double noise_floor{};
+  double rounding{};  // as Study::Rounding
   double filtered_out_variance{};
   std::size_t block_length{1};
   int largest_noise_order{4};
@@ -95,6 +96,7 @@ class SeparableStudy final : public Study {
   std::string unit() const override { return model_.unit; }
   double unit_per_si() const override { return model_.unit_per_si; }
   double NoiseFloor() const override { return model_.noise_floor; }
+  double Rounding() const override { return model_.rounding; }
   std::span<const double> Weights() const override { return model_.weights; }
   double FilteredOutVariance() const override { return model_.filtered_out_variance; }
   std::size_t BlockLength() const override { return model_.block_length; }

@@ -106,23 +106,23 @@ Ends EndsOf(std::span<const double> values) {
   return {low, high};
 }
 
-// Segments of one value that the signal's own noise would never let stand; nothing where it has none that is
-// seen.
-std::optional<std::vector<Run>> AgainstTheNoise(std::span<const double> values) {
+// Chance that the signal's own noise gives a value once more, to the last digit; nothing where it has no
+// noise that is seen.
+std::optional<double> ChanceOfRepeat(std::span<const double> values) {
   constexpr double kVisibleNoise = 2.0;  // steps: less, and a value often comes again
-  constexpr double kNever = 1e-9;        // chance in a whole record
   if (values.size() < 16) return std::nullopt;
   const double step = ResolutionOf(values);
   const double noise = NoiseWhereItMoves(values);
   if (!(noise > kVisibleNoise * step)) return std::nullopt;
   // Two neighbours' difference is normal with √2 of the deviation; half of the step to either side is none.
-  const double again = step / (2.0 * std::sqrt(kPi) * noise);
-  const double rows = static_cast<double>(values.size());
-  std::vector<Run> segments = RunsOf(values);
-  std::erase_if(segments, [&](const Run& run) {
-    return rows * std::pow(again, static_cast<double>(run.count - 1)) >= kNever;
-  });
-  return segments;
+  return step / (2.0 * std::sqrt(kPi) * noise);
+}
+
+constexpr double kNever = 1e-9;  // chance in a whole record
+
+// Chance of a run somewhere in so many rows.
+double ChanceOf(const Run& run, double repeat, std::size_t rows) {
+  return static_cast<double>(rows) * std::pow(repeat, static_cast<double>(run.count - 1));
 }
 
 }  // namespace
@@ -176,22 +176,29 @@ double GoesOnMeanwhile(const Held& held, std::span<const double> other) {
 }
 
 std::vector<Frozen> FindFrozen(std::span<const double> values) {
-  std::optional<std::vector<Run>> segments = AgainstTheNoise(values);
-  if (!segments) return LeftByAJump(values);
-  std::erase_if(*segments, [&, ends = EndsOf(values)](const Run& run) {
-    return values[run.first] == ends.low || values[run.first] == ends.high;
+  const std::optional<double> repeat = ChanceOfRepeat(values);
+  if (!repeat) return LeftByAJump(values);
+  std::vector<Run> segments = RunsOf(values);
+  std::erase_if(segments, [&, ends = EndsOf(values)](const Run& run) {
+    const double value = values[run.first];
+    return value == ends.low || value == ends.high || ChanceOf(run, *repeat, values.size()) >= kNever;
   });
-  return *std::move(segments);
+  return segments;
 }
 
 std::vector<Saturated> FindSaturated(std::span<const double> values) {
-  const std::vector<Run> segments = AgainstTheNoise(values).value_or(std::vector<Run>{});
+  const std::optional<double> repeat = ChanceOfRepeat(values);
+  if (!repeat) return {};
+  const std::vector<Run> runs = RunsOf(values);
   const Ends ends = EndsOf(values);
   std::vector<Saturated> found;
   for (const double end : {ends.low, ends.high}) {
-    const bool stands =
-        std::ranges::any_of(segments, [&](const Run& run) { return values[run.first] == end; });
-    if (stands) found.push_back({end, static_cast<std::size_t>(std::ranges::count(values, end))});
+    // Each peak of a periodic signal ends in the same value.
+    double chance = 1.0;
+    for (const Run& run : runs) {
+      if (values[run.first] == end) chance *= std::min(1.0, ChanceOf(run, *repeat, values.size()));
+    }
+    if (chance < kNever) found.push_back({end, static_cast<std::size_t>(std::ranges::count(values, end))});
   }
   return found;
 }

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "analysis/noise_level.h"
+
 namespace strainwave::analysis::samples {
 namespace {
 
@@ -38,6 +40,18 @@ double QuantisationStep(std::span<const double> samples, double tolerance) {
     if (IsStepOf(changes, step, tolerance)) return step;
   }
   return 0.0;
+}
+
+double QuantisationStepOfSweep(std::span<const double> samples) {
+  constexpr double kDigit =
+      1e-6;  // of a move: what a file's last digits make of equal moves is no difference
+  std::vector<double> moves;
+  for (std::size_t i = 1; i < samples.size(); ++i) moves.push_back(std::abs(samples[i] - samples[i - 1]));
+  if (moves.empty()) return 0.0;
+  const double digit = kDigit * Median(moves);
+  if (!(digit > 0.0)) return QuantisationStep(samples);
+  for (double& move : moves) move = digit * std::round(move / digit);
+  return QuantisationStep(moves);
 }
 
 }  // namespace strainwave::analysis::samples

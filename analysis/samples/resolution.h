@@ -9,4 +9,8 @@ namespace strainwave::analysis::samples {
 /// `tolerance` steps; 0 for a continuous signal.
 double QuantisationStep(std::span<const double> samples, double tolerance = 0.05);
 
+/// The same of a signal that moves on by about as many steps from each sample to the next, as a sweep does:
+/// what its moves differ by stands on the steps, too.
+double QuantisationStepOfSweep(std::span<const double> samples);
+
 }  // namespace strainwave::analysis::samples

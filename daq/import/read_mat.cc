@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <matio.h>
 
 #include <cstdint>
 #include <fstream>
@@ -10,21 +9,13 @@
 #include <fmt/ranges.h>
 
 #include "daq/import/foreign_file.h"
+#include "daq/import/mat_handles.h"
 #include "daq/record.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
 
 namespace strainwave::daq {
 namespace {
-
-struct CloseMat {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-struct FreeVariable {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-using MatHandle = std::unique_ptr<mat_t, CloseMat>;
-using Variable = std::unique_ptr<matvar_t, FreeVariable>;
 
 // Of a level-5 file: the library says nothing of a variable that the file ends in.
 void CheckLength(const std::filesystem::path& path) {
@@ -142,7 +133,7 @@ class MatReader {
     const MatHandle mat(Mat_Open(path_.c_str(), MAT_ACC_RDONLY));
     if (!mat) throw RecordError(path_.string(), "cannot be read as a MAT file", "MAT 5 or 7.3");
     file_.format = NameOf(format);
-    while (const Variable variable{Mat_VarReadNextInfo(mat.get())}) {
+    while (const MatVariable variable{Mat_VarReadNextInfo(mat.get())}) {
       const std::string name = variable->name == nullptr ? "" : variable->name;
       const std::size_t count = CountOf(*variable);
       if (count > kMostValues - values_)

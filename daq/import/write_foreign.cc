@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daq/import/write_foreign.h"
 
-#include <matio.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -15,16 +13,13 @@
 #include <fmt/format.h>
 
 #include "daq/data_file_error.h"
+#include "daq/import/mat_handles.h"
 #include "daq/record_rules.h"
 #include "daq/value_bounds.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::daq {
 namespace {
-
-struct CloseMat {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
 
 std::vector<double> NumbersOf(const Record& record, const Column& column) {
   if (const auto* directions = std::get_if<std::vector<Direction>>(&column.values)) {
@@ -43,12 +38,8 @@ std::string MatName(const std::string& name) {
   return plain.substr(0, 63);
 }
 
-struct FreeVariable {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-
 void Put(mat_t* file, matvar_t* variable, const std::filesystem::path& path) {
-  const std::unique_ptr<matvar_t, FreeVariable> owned(variable);
+  const MatVariable owned(variable);
   if (!owned || Mat_VarWrite(file, owned.get(), MAT_COMPRESSION_NONE) != 0)
     throw DataFileError(std::error_code(EIO, std::generic_category()), "cannot write", path.string());
 }
@@ -148,7 +139,7 @@ std::string FunctionOf(const Record& record, const Column& column, const Absciss
 void WriteMatFile(const Record& record, const std::filesystem::path& path) {
   const std::filesystem::path partial = path.parent_path() / ("." + path.filename().string() + ".partial");
   {
-    const std::unique_ptr<mat_t, CloseMat> file(
+    const MatHandle file(
         Mat_CreateVer(partial.c_str(), "MATLAB 5.0 MAT-file, written by strainwave", MAT_FT_MAT5));
     if (!file) throw DataFileError(LastError(), "cannot write", partial.string());
     PutText(file.get(), "kind", std::string(record.kind.name()), partial);

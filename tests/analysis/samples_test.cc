@@ -181,6 +181,23 @@ TEST(FindSaturated, FindsTheEndsAtWhichASignalStandsAgainstItsNoise) {
   EXPECT_EQ(FindSaturated(values).size(), 2U);
 }
 
+TEST(FindSaturated, FindsTheEndOfSeveralPeaksEachOfWhichIsShort) {
+  // Three peaks of a ramp, of which four samples each stand: one of them alone may be chance.
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> values;
+  for (int i = 0; i < 1200; ++i) {
+    const double peaked = std::abs(std::remainder(i / 200.0, 2.0));  // 0 to 1 and back, three times
+    values.push_back(1e-3 * std::round(1e3 * (50.0 * peaked + 0.05 * normal(random))));
+  }
+  EXPECT_TRUE(FindSaturated(values).empty());
+  for (double& value : values) value = std::min(value, 49.4);
+  const auto found = FindSaturated(values);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].at, 49.4);
+  EXPECT_TRUE(FindSaturated(std::span(values).first(400)).empty());
+}
+
 TEST(FindSaturated, FindsNoneWhereStepsAreCoarserThanTheNoise) {
   std::vector<double> values = Way(700, 20.0, 0.1);
   for (double& value : values) value = std::round(value);
@@ -234,6 +251,20 @@ TEST(QuantisationStep, IsTheStepOfARoundedSignalAndNoneOfAnother) {
   const double step = kTwoPi / 65536.0;
   for (double& value : values) value = step * std::round(value / step);
   EXPECT_NEAR(QuantisationStep(values), step, 1e-9);
+}
+
+TEST(QuantisationStepOfSweep, IsTheStepOfAnEncoderThatMovesOnByManyOfThem) {
+  constexpr double kStep_deg = 360.0 / 16384.0;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  std::vector<double> fine_deg;
+  for (int i = 0; i < 700; ++i) fine_deg.push_back((i < 400 ? 1.0 : 0.5) * i + 0.01 * normal(random));
+  EXPECT_EQ(QuantisationStepOfSweep(fine_deg), 0.0);
+  std::vector<double> coarse_deg;
+  for (const double angle_deg : fine_deg)
+    coarse_deg.push_back(1e-9 * std::round(1e9 * kStep_deg * std::round(angle_deg / kStep_deg)));
+  EXPECT_EQ(QuantisationStep(coarse_deg), 0.0);
+  EXPECT_NEAR(QuantisationStepOfSweep(coarse_deg), kStep_deg, 1e-3 * kStep_deg);
 }
 
 }  // namespace

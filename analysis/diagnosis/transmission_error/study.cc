@@ -16,6 +16,7 @@
 #include "analysis/harmonic_regression.h"
 #include "analysis/noise_level.h"
 #include "analysis/quantities.h"
+#include "analysis/samples/resolution.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -167,6 +168,18 @@ void LeaveOpenWhatIsNotSeen(const TransmissionErrorSamples& samples, SeparableMo
   for (std::size_t k = 0; k < samples.records; ++k) LeaveOpen(model.nominal[k]);
 }
 
+// Standard deviation of what the encoders' steps do to the transmission error.
+double Rounding_rad(std::span<const TransmissionErrorData> records) {
+  double rounding_rad = 0.0;
+  for (const TransmissionErrorData& record : records) {
+    const double step_rad =
+        std::hypot(samples::QuantisationStepOfSweep(record.output_angle_rad),
+                   samples::QuantisationStepOfSweep(record.input_angle_rad) / record.ratio);
+    rounding_rad = std::max(rounding_rad, step_rad / std::sqrt(12.0));
+  }
+  return rounding_rad;
+}
+
 std::vector<Regressor> RegressorsOf(const TransmissionErrorSamples& samples) {
   std::vector<Regressor> regressors{
       {"output_angle", "output angle / deg", DegFromRad(1.0), samples.output_rad, true},
@@ -206,6 +219,7 @@ std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionEr
   model.unit = "arcmin";
   model.unit_per_si = ArcminFromRad(1.0);
   model.noise_floor = TransmissionErrorFloor_rad(samples);
+  model.rounding = Rounding_rad(records);
   const auto n = samples.error_rad.size();
   // Whole turns where each segment has three or more; else blocks that leave twenty in the record.
   const double turn = samples.samples_per_turn;

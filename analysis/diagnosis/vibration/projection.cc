@@ -16,21 +16,21 @@ using Eigen::VectorXd;
 namespace {
 
 // Rows of two dozen columns that the second cache holds.
-constexpr Index kRowsTogether = 2048;
+constexpr Index kRowsOfProduct = 2048;
 
 }  // namespace
 
 MatrixXd ProductsOfColumns(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b) {
   MatrixXd products = MatrixXd::Zero(a.cols(), b.cols());
-  for (Index first = 0; first < a.rows(); first += kRowsTogether)
-    AddProducts(BlockOf(a, first), BlockOf(b, first), std::min(kRowsTogether, a.rows() - first), products);
+  for (Index first = 0; first < a.rows(); first += kRowsOfProduct)
+    AddProducts(BlockOf(a, first), BlockOf(b, first), std::min(kRowsOfProduct, a.rows() - first), products);
   return products;
 }
 
 MatrixXd SquaresOfColumns(const Eigen::Ref<const MatrixXd>& a) {
   MatrixXd products = MatrixXd::Zero(a.cols(), a.cols());
-  for (Index first = 0; first < a.rows(); first += kRowsTogether)
-    AddSymmetric(BlockOf(a, first), BlockOf(a, first), std::min(kRowsTogether, a.rows() - first), products);
+  for (Index first = 0; first < a.rows(); first += kRowsOfProduct)
+    AddSymmetric(BlockOf(a, first), BlockOf(a, first), std::min(kRowsOfProduct, a.rows() - first), products);
   return WithUpperHalf(products);
 }
 
