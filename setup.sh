@@ -7,7 +7,8 @@ usage() {
 usage: ./setup.sh VERB
 
   build     install what is missing (Debian 12, apt, as root) and build the program at build/strainwave,
-            strainwave-devices beside it, and the C library of predictors with its example
+            strainwave-devices beside it, and the C library of predictors with its example; what takes pictures of a
+            bench where libopencv-videoio-dev and libopencv-imgcodecs-dev are installed
   demo      build, run schedules/quick.yaml on the simulated bench into a new folder under campaigns/, train a small
             predictor and show predicted against measured, then diagnose the transmission error of the first cycle:
             what a plain simulation would have got wrong
@@ -26,10 +27,12 @@ BUILD_PACKAGES=(
   libhdf5-dev libmatio-dev libsndfile1-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev
-  libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
+  libhidapi-dev
   gnuplot-nox
 )
-PACKAGE_PACKAGES=(dpkg-dev file)
+# What takes pictures, a package of its own: 115 packages of Debian more. `build` makes it where they are.
+CAMERA_PACKAGES=(libopencv-videoio-dev libopencv-imgcodecs-dev)
+PACKAGE_PACKAGES=(dpkg-dev file "${CAMERA_PACKAGES[@]}")
 TEST_PACKAGES=(
   "${PACKAGE_PACKAGES[@]}" git
   libgtest-dev libbenchmark-dev mosquitto openssl
@@ -42,7 +45,7 @@ TEST_PACKAGES=(
 command -v npm >/dev/null || TEST_PACKAGES+=(npm)
 # Of those, what would begin to serve as soon as it is installed, and at every start of the machine.
 SERVICES=(mosquitto)
-PROGRAMS=(strainwave strainwave-devices strainwave_manual strainwave_camera_module strainwave_predictor predictor_example)
+PROGRAMS=(strainwave strainwave-devices strainwave_manual strainwave_predictor predictor_example)
 
 fail() {
   echo "setup.sh: error: $*" >&2

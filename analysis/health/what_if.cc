@@ -60,16 +60,16 @@ Eigen::VectorXd ShapleyWeights(std::size_t components, std::size_t component) {
 }  // namespace
 
 std::vector<SystemAt> SystemsAt(const statistics::GaussianProcess& surface, const SystemScale& scale,
-                                const Eigen::MatrixXd& places, IntervalOf interval) {
-  const statistics::Posterior posterior = surface.At(places);
+                                const Eigen::MatrixXd& points, IntervalOf interval) {
+  const statistics::Posterior posterior = surface.At(points);
   const double noise = interval == IntervalOf::kMeasurement ? surface.parameters().noise_variance : 0.0;
   std::vector<SystemAt> systems;
-  for (Eigen::Index i = 0; i < places.rows(); ++i) {
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const double value = scale.Index(posterior.mean(i));
     const double half =
         kQuantile * std::abs(scale.factor()) * std::sqrt(std::max(0.0, posterior.covariance(i, i)) + noise);
     systems.push_back({{value, value - half, value + half},
-                       statistics::DistanceFromHull(surface.data().places, places.row(i)) > 0.0});
+                       statistics::DistanceFromHull(surface.data().points, points.row(i)) > 0.0});
   }
   return systems;
 }
@@ -77,18 +77,18 @@ std::vector<SystemAt> SystemsAt(const statistics::GaussianProcess& surface, cons
 WhatIf AskWhatIf(const statistics::GaussianProcess& surface, const SystemScale& scale,
                  const Eigen::VectorXd& state, IntervalOf interval) {
   const Eigen::Index n = state.size();
-  if (n != surface.data().places.cols() || n < 1 || n > kMostWhatIfComponents)
+  if (n != surface.data().points.cols() || n < 1 || n > kMostWhatIfComponents)
     throw std::invalid_argument(
         fmt::format("{} components for a surface of {} (expected the same, {} at most)", n,
-                    surface.data().places.cols(), kMostWhatIfComponents));
+                    surface.data().points.cols(), kMostWhatIfComponents));
   // Corner bits: component c as it is (1) or as new (0).
   const Eigen::Index count = Eigen::Index{1} << n;
-  Eigen::MatrixXd places(count, n);
+  Eigen::MatrixXd points(count, n);
   for (Eigen::Index corner = 0; corner < count; ++corner) {
-    for (Eigen::Index c = 0; c < n; ++c) places(corner, c) = (corner >> c & 1) != 0 ? state(c) : 0.0;
+    for (Eigen::Index c = 0; c < n; ++c) points(corner, c) = (corner >> c & 1) != 0 ? state(c) : 0.0;
   }
-  const std::vector<SystemAt> systems = SystemsAt(surface, scale, places, interval);
-  const Corners corners(surface.At(places), scale);
+  const std::vector<SystemAt> systems = SystemsAt(surface, scale, points, interval);
+  const Corners corners(surface.At(points), scale);
   const Eigen::Index all = count - 1;
   WhatIf result;
   result.system = systems[static_cast<std::size_t>(all)];
@@ -115,8 +115,8 @@ WhatIf AskWhatIf(const statistics::GaussianProcess& surface, const SystemScale& 
   std::ranges::stable_sort(result.ranking, [&](std::size_t a, std::size_t b) {
     return result.gain[a].value > result.gain[b].value;
   });
-  for (std::size_t place = 0; place + 1 < result.ranking.size(); ++place) {
-    const Bounded apart = corners.Sum(gains[result.ranking[place]] - gains[result.ranking[place + 1]]);
+  for (std::size_t rank = 0; rank + 1 < result.ranking.size(); ++rank) {
+    const Bounded apart = corners.Sum(gains[result.ranking[rank]] - gains[result.ranking[rank + 1]]);
     result.tied_with_next.push_back(apart.low <= 0.0);
   }
   result.extrapolated = std::ranges::any_of(systems, &SystemAt::extrapolated);

@@ -34,9 +34,9 @@ struct SystemAt {
   Bounded index;
   bool extrapolated{};  // outside the convex hull of what was measured
 };
-/// @param places  p × components.
+/// @param points  p × components.
 std::vector<SystemAt> SystemsAt(const statistics::GaussianProcess& surface, const SystemScale& scale,
-                                const Eigen::MatrixXd& places, IntervalOf interval);
+                                const Eigen::MatrixXd& points, IntervalOf interval);
 
 /// What of the system's index comes from which component, with all others as they are or as new.
 struct WhatIf {

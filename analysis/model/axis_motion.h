@@ -25,7 +25,8 @@ class InertiaBehindBacklash {
     double friction{};           // as an acceleration
     double contact_rad_per_s{};  // of the load on the contact
     double contact_damping{0.5};
-    double start{1.0};  // place in the gap at first: 1 where the motion pushes the load, −1 at the other end
+    double start{
+        1.0};  // position in the gap at first: 1 where the motion pushes the load, −1 at the other end
   };
   InertiaBehindBacklash(const Numbers& numbers, double near, double near_speed) noexcept
       : half_(0.5 * numbers.gap),
@@ -35,7 +36,7 @@ class InertiaBehindBacklash {
         drag_(2.0 * numbers.contact_damping * numbers.contact_rad_per_s),
         near_(near),
         near_speed_(near_speed),
-        place_(near - numbers.start * std::copysign(half_, near_speed)),
+        position_(near - numbers.start * std::copysign(half_, near_speed)),
         speed_(near_speed) {}
 
   /// Moves on by a step, over which the near side goes to `near` smoothly.
@@ -62,11 +63,11 @@ class InertiaBehindBacklash {
       const double u = static_cast<double>(k) * share;
       const double at = near_ + u * (first + u * (second + u * third));
       const double at_way = share * (first + u * (2.0 * second + 3.0 * u * third));
-      // Places at a step's ends, ways between them (leapfrog): else the contact gives the load back some of
-      // what its damping takes.
-      const double led = stiffness * (at - place_) + drag * at_way;
-      place_ += load_way;
-      const double lead = at - place_;
+      // Positions at a step's ends, ways between them (leapfrog): else the contact gives the load back some
+      // of what its damping takes.
+      const double led = stiffness * (at - position_) + drag * at_way;
+      position_ += load_way;
+      const double lead = at - position_;
       double free = load_way;
       if (lead > half_)
         free = std::max(led - edge + kept * load_way, load_way);
@@ -87,7 +88,7 @@ class InertiaBehindBacklash {
 
   double half_, friction_, contact_rad_per_s_, stiffness_, drag_;
   double near_, near_speed_;
-  double place_, speed_;
+  double position_, speed_;
 };
 
 /// A second inertia behind a spring and a damper, driven by the motion of the near side: the twist x = far −

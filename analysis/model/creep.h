@@ -8,7 +8,7 @@ namespace strainwave::analysis::model {
 
 inline constexpr int kCreepElements = 3;
 
-/// Creep under torque (docs/effects.md E22): φ goes on as ln(1 + t/t₀). A ladder of Kelvin-Voigt elements,
+/// Creep under torque (docs/effects.md E22): φ goes on as ln(1 + t/t₀). A chain of Kelvin-Voigt elements,
 /// one a decade, stands for the logarithm, or for a part of it with a smaller ratio; a decade of them adds
 /// `share_per_decade` of the wind-up that stiffness `reference_Nm_per_rad` gives.
 ///

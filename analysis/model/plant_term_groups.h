@@ -28,8 +28,9 @@ inline BoundParameter Size(std::string_view name, std::string_view unit, double&
   return {.name = name, .unit = unit, .value = &value, .off = 0.0, .not_negative = true};
 }
 
-/// A number that only shapes the term (a time, a phase, a place) and stays as it is.
-inline BoundParameter Shape(std::string_view name, std::string_view unit, double& value) {
+/// A nonlinear parameter of the term (a time, a phase, a position), which stays as it is when the term is
+/// off.
+inline BoundParameter Nonlinear(std::string_view name, std::string_view unit, double& value) {
   return {name, unit, &value, value};
 }
 

@@ -48,11 +48,11 @@ void AddMeasuringChain(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back({"output_encoder_eccentricity",
                    "E18",
                    {Amount("amplitude_rad", "rad", out.eccentricity_rad),
-                    Shape("phase_rad", "rad", out.eccentricity_phase_rad)}});
+                    Nonlinear("phase_rad", "rad", out.eccentricity_phase_rad)}});
   BoundTerm position{
       "output_encoder_position_error",
       "E18",
-      {Amount("tilt_rad", "rad", out.tilt_rad), Shape("tilt_phase_rad", "rad", out.tilt_phase_rad)}};
+      {Amount("tilt_rad", "rad", out.tilt_rad), Nonlinear("tilt_phase_rad", "rad", out.tilt_phase_rad)}};
   constexpr std::string_view kNames[] = {"order_3_rad", "order_5_rad", "order_8_rad", "order_13_rad"};
   for (std::size_t i = 0; i < kEncoderOrders.size(); ++i) {
     position.parameters.push_back(Amount(kNames[i], "rad", out.graduation_rad[i]));
@@ -65,7 +65,7 @@ void AddMeasuringChain(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back({"input_encoder_eccentricity",
                    "E18",
                    {Amount("amplitude_rad", "rad", in.eccentricity_rad),
-                    Shape("phase_rad", "rad", in.eccentricity_phase_rad)}});
+                    Nonlinear("phase_rad", "rad", in.eccentricity_phase_rad)}});
   terms.push_back(
       {"encoder_quantisation",
        "",
@@ -85,7 +85,7 @@ void AddMeasuringChain(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back({"torque_zero_drift",
                    "",
                    {Amount("drift_Nm_per_K", "Nm/K", torque.zero_drift_Nm_per_K),
-                    Shape("reference_degC", "°C", torque.zero_drift_reference_degC)}});
+                    Nonlinear("reference_degC", "°C", torque.zero_drift_reference_degC)}});
   terms.push_back({"torque_noise", "", {Amount("noise_Nm", "Nm", torque.noise_Nm)}});
   terms.push_back({"slow_channel_noise",
                    "",
@@ -104,16 +104,16 @@ void AddMeasuringCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back({"output_thermal_drift",
                    "E10",
                    {Amount("drift_rad_per_K", "rad/K", p.output_drift.drift_rad_per_K),
-                    Shape("reference_degC", "°C", p.output_drift.reference_degC)}});
+                    Nonlinear("reference_degC", "°C", p.output_drift.reference_degC)}});
   terms.push_back({"output_time_drift",
                    "E10",
                    {Amount("rate_rad_per_s", "rad/s", p.output_drift.rate_rad_per_s),
-                    Shape("time_constant_s", "s", p.output_drift.time_constant_s)}});
+                    Nonlinear("time_constant_s", "s", p.output_drift.time_constant_s)}});
   terms.push_back({"output_swing_drift",
                    "E10",
                    {Amount("swing_rad", "rad", p.output_drift.swing_rad),
-                    Shape("period_s", "s", p.output_drift.swing_period_s),
-                    Shape("phase_rad", "rad", p.output_drift.swing_phase_rad)}});
+                    Nonlinear("period_s", "s", p.output_drift.swing_period_s),
+                    Nonlinear("phase_rad", "rad", p.output_drift.swing_phase_rad)}});
 }
 
 }  // namespace strainwave::analysis::model

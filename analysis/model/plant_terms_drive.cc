@@ -41,10 +41,11 @@ void AddFriction(PlantParameters& p, std::vector<BoundTerm>& terms) {
                    {Amount("loss_W_per_Nm2", "W/Nm²", t.motor_loss_W_per_Nm2),
                     Scale("capacity_J_per_K", "J/K", t.motor_capacity_J_per_K),
                     Scale("to_room_K_per_W", "K/W", t.motor_to_room_K_per_W)}});
-  terms.push_back({"day_and_night",
-                   "",
-                   {Amount("swing_K", "K", p.ambient.swing_K), Shape("mean_degC", "°C", p.ambient.mean_degC),
-                    Shape("warmest_at_s", "s", p.ambient.warmest_at_s)}});
+  terms.push_back(
+      {"day_and_night",
+       "",
+       {Amount("swing_K", "K", p.ambient.swing_K), Nonlinear("mean_degC", "°C", p.ambient.mean_degC),
+        Nonlinear("warmest_at_s", "s", p.ambient.warmest_at_s)}});
 }
 
 void AddDriveCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
@@ -52,7 +53,7 @@ void AddDriveCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back({"friction_drift",
                    "E10",
                    {Amount("share_per_K", "1/K", p.friction.drift.share_per_K),
-                    Shape("reference_degC", "°C", p.friction.drift.reference_degC),
+                    Nonlinear("reference_degC", "°C", p.friction.drift.reference_degC),
                     Amount("share_per_h", "1/h", p.friction.drift.share_per_h)}});
   terms.push_back({"asymmetric_viscous_friction",
                    "E8",
@@ -63,11 +64,11 @@ void AddDriveCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
       {"input_periodic_torque",
        "E16",
        {Amount("amplitude_Nm", "Nm", d.periodic.amplitude_Nm), Scale("order_per_turn", "1", d.periodic.order),
-        Shape("phase_rad", "rad", d.periodic.phase_rad)}});
+        Nonlinear("phase_rad", "rad", d.periodic.phase_rad)}});
   terms.push_back({"input_unbalance",
                    "E21",
                    {Amount("amplitude_Nm", "Nm", d.unbalance.amplitude_Nm),
-                    Shape("phase_rad", "rad", d.unbalance.phase_rad)}});
+                    Nonlinear("phase_rad", "rad", d.unbalance.phase_rad)}});
   terms.push_back({"input_constant_torque", "", {Amount("torque_Nm", "Nm", d.constant_Nm)}});
   constexpr std::string_view kWindows[][4] = {{"torque_Nm", "start_s", "end_s", "edge_share"},
                                               {"torque_2_Nm", "start_2_s", "end_2_s", "edge_share_2"},
@@ -76,9 +77,9 @@ void AddDriveCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
   for (std::size_t w = 0; w < d.disturbance.size(); ++w) {
     TorqueWindow& window = d.disturbance[w];
     disturbance.parameters.push_back(Amount(kWindows[w][0], "Nm", window.torque_Nm));
-    disturbance.parameters.push_back(Shape(kWindows[w][1], "s", window.start_s));
-    disturbance.parameters.push_back(Shape(kWindows[w][2], "s", window.end_s));
-    disturbance.parameters.push_back(Shape(kWindows[w][3], "1", window.edge_share));
+    disturbance.parameters.push_back(Nonlinear(kWindows[w][1], "s", window.start_s));
+    disturbance.parameters.push_back(Nonlinear(kWindows[w][2], "s", window.end_s));
+    disturbance.parameters.push_back(Nonlinear(kWindows[w][3], "1", window.edge_share));
   }
   terms.push_back(std::move(disturbance));
   BrakeYield& yield = p.brake.yield;

@@ -20,7 +20,7 @@ void AddGear(PlantParameters& p, std::vector<BoundTerm>& terms) {
   auto& phase = p.kinematic.phase_rad;
   const auto order = [&](std::string_view name, std::string_view effect, std::size_t k) {
     terms.push_back(
-        {name, effect, {Amount("amplitude_rad", "rad", a[k]), Shape("phase_rad", "rad", phase[k])}});
+        {name, effect, {Amount("amplitude_rad", "rad", a[k]), Nonlinear("phase_rad", "rad", phase[k])}});
   };
   order("kinematic_input_1", "E4", 0);
   order("kinematic_input_2", "E1", 1);
@@ -42,7 +42,7 @@ void AddGearCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
       {"gear_backlash",
        "E4",
        {Size("width_rad", "rad", d.backlash.width_rad), Scale("torque_Nm", "Nm", d.backlash.torque_Nm),
-        Shape("beside_friction", "1", d.backlash_beside_friction)}});
+        Nonlinear("beside_friction", "1", d.backlash_beside_friction)}});
   terms.push_back({"asymmetric_stiffness", "E5", {Amount("asymmetry_share", "1", d.asymmetry_share)}});
   terms.push_back(
       {"cubic_hardening", "E5", {Size("hardening_Nm_per_rad3", "Nm/rad³", d.hardening_Nm_per_rad3)}});
@@ -63,8 +63,8 @@ void AddGearCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back(
       {"local_tooth_damage",
        "E24",
-       {Amount("height_rad", "rad", damage.height_rad), Shape("centre_rad", "rad", damage.centre_rad),
-        Scale("width_rad", "rad", damage.width_rad), Shape("skew_share", "1", damage.skew_share)}});
+       {Amount("height_rad", "rad", damage.height_rad), Nonlinear("centre_rad", "rad", damage.centre_rad),
+        Scale("width_rad", "rad", damage.width_rad), Nonlinear("skew_share", "1", damage.skew_share)}});
 }
 
 }  // namespace strainwave::analysis::model

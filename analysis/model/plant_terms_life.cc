@@ -75,25 +75,25 @@ void AddVibrationCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
       {"vibration_bearing_defect",
        "E24",
        {Amount("amplitude_m_per_s2", "m/s²", v.bearing.amplitude_m_per_s2),
-        Scale("order_per_turn", "1", v.bearing.order), Shape("phase_rad", "rad", v.bearing.phase_rad),
-        Shape("modulation", "1", v.bearing.modulation),
+        Scale("order_per_turn", "1", v.bearing.order), Nonlinear("phase_rad", "rad", v.bearing.phase_rad),
+        Nonlinear("modulation", "1", v.bearing.modulation),
         Amount("ringing_m_per_s2", "m/s²", v.bearing.ringing.amplitude_m_per_s2),
         Scale("mode_Hz", "Hz", v.bearing.ringing.mode_Hz),
         Scale("mode_damping", "1", v.bearing.ringing.mode_damping)}});
   terms.push_back({"vibration_imbalance",
                    "",
                    {Amount("amplitude_m_per_s2", "m/s²", v.imbalance.amplitude_m_per_s2),
-                    Shape("phase_rad", "rad", v.imbalance.phase_rad),
+                    Nonlinear("phase_rad", "rad", v.imbalance.phase_rad),
                     Scale("reference_speed_rad_per_s", "rad/s", v.imbalance.reference_speed_rad_per_s)}});
-  terms.push_back(
-      {"vibration_flexspline_crack",
-       "E23",
-       {Amount("amplitude_m_per_s2", "m/s²", v.crack.amplitude_m_per_s2),
-        Shape("phase_rad", "rad", v.crack.phase_rad), Shape("harmonic_share", "1", v.crack.harmonic_share),
-        Shape("modulation", "1", v.crack.modulation),
-        Amount("ringing_m_per_s2", "m/s²", v.crack.ringing.amplitude_m_per_s2),
-        Scale("mode_Hz", "Hz", v.crack.ringing.mode_Hz),
-        Scale("mode_damping", "1", v.crack.ringing.mode_damping)}});
+  terms.push_back({"vibration_flexspline_crack",
+                   "E23",
+                   {Amount("amplitude_m_per_s2", "m/s²", v.crack.amplitude_m_per_s2),
+                    Nonlinear("phase_rad", "rad", v.crack.phase_rad),
+                    Nonlinear("harmonic_share", "1", v.crack.harmonic_share),
+                    Nonlinear("modulation", "1", v.crack.modulation),
+                    Amount("ringing_m_per_s2", "m/s²", v.crack.ringing.amplitude_m_per_s2),
+                    Scale("mode_Hz", "Hz", v.crack.ringing.mode_Hz),
+                    Scale("mode_damping", "1", v.crack.ringing.mode_damping)}});
   terms.push_back(
       {"vibration_torsional_resonance",
        "E15",

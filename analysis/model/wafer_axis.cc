@@ -89,14 +89,14 @@ struct Mode {
   double frequency_rad_per_s;
   double damping;
   double share;
-  double place{};
+  double position{};
   double speed{};
 
   double Step(double drive) {
     const double acceleration = drive - 2.0 * damping * frequency_rad_per_s * speed -
-                                frequency_rad_per_s * frequency_rad_per_s * place;
+                                frequency_rad_per_s * frequency_rad_per_s * position;
     speed += kStep_s * acceleration;
-    place += kStep_s * speed;
+    position += kStep_s * speed;
     return share * acceleration;
   }
 };

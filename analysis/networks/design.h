@@ -26,7 +26,8 @@ struct Dense {
   Activation activation{Activation::kLinear};
 };
 
-/// f(∑ over channels of the correlation with a kernel + b), at every place where the kernel fits ('valid').
+/// f(∑ over channels of the correlation with a kernel + b), at every position where the kernel fits
+/// ('valid').
 struct Convolution {
   int filters{};
   int kernel{};

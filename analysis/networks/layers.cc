@@ -16,9 +16,9 @@ auto Biases(const Network::Stage& stage, Parameters& all) {
   return all.segment(stage.weights_begin + stage.weights, stage.biases);
 }
 
-// [channel][place] becomes [place][channel], and back.
+// [channel][position] becomes [position][channel], and back.
 template <typename Scalar>
-void TurnToPlaces(const Scalar* sample, const Shape& shape, Scalar* turned) {
+void TurnToPositions(const Scalar* sample, const Shape& shape, Scalar* turned) {
   Transpose(sample, shape.channels, shape.length, turned);
 }
 template <typename Scalar>
@@ -26,28 +26,28 @@ void TurnToChannels(const Scalar* turned, const Shape& shape, Scalar* sample) {
   Transpose(turned, shape.length, shape.channels, sample);
 }
 
-// Samples of a stage with the channels of a place side by side, whichever way they stand: what a kernel sees
-// is then one segment of memory, and every sum a combination of rows.
+// Samples of a stage with the channels of a position side by side, whichever way they stand: what a kernel
+// sees is then one segment of memory, and every sum a combination of rows.
 template <typename Scalar, typename Batch>
-const Scalar* PlacesOf(const Batch& batch, Index sample, const Shape& shape, bool turns,
-                       Vector<Scalar>& memory) {
+const Scalar* PositionsOf(const Batch& batch, Index sample, const Shape& shape, bool turns,
+                          Vector<Scalar>& memory) {
   if (!turns) return batch.col(sample).data();
   memory.resize(shape.size());
-  TurnToPlaces(batch.col(sample).data(), shape, memory.data());
+  TurnToPositions(batch.col(sample).data(), shape, memory.data());
   return memory.data();
 }
 
 // Where to write them, and what to call when they are written.
 template <typename Scalar>
-Scalar* PlacesFor(Matrix<Scalar>& batch, Index sample, const Shape& shape, bool turns,
-                  Vector<Scalar>& memory) {
+Scalar* PositionsFor(Matrix<Scalar>& batch, Index sample, const Shape& shape, bool turns,
+                     Vector<Scalar>& memory) {
   if (!turns) return batch.col(sample).data();
   memory.resize(shape.size());
   return memory.data();
 }
 template <typename Scalar>
-void PutPlaces(Matrix<Scalar>& batch, Index sample, const Shape& shape, bool turns,
-               const Vector<Scalar>& memory) {
+void PutPositions(Matrix<Scalar>& batch, Index sample, const Shape& shape, bool turns,
+                  const Vector<Scalar>& memory) {
   if (turns) TurnToChannels(memory.data(), shape, batch.col(sample).data());
 }
 
@@ -73,7 +73,7 @@ void TurnWeightsBack(const Convolution& layer, int channels, const Scalar* turne
   }
 }
 
-// The inputs of a dense layer, a sample a row, as [channel][place].
+// The inputs of a dense layer, a sample a row, as [channel][position].
 template <typename Scalar>
 RowView<const Scalar> RowsOfSamples(const Network::Stage& stage, const Inputs<Scalar>& input,
                                     Pass<Scalar>& pass) {
@@ -105,13 +105,13 @@ struct ForwardLayer {
   void operator()(const Convolution& layer) {
     const Index filters = layer.filters;
     const Index channels = stage.input.channels;
-    const Index places = stage.output.length;
+    const Index positions = stage.output.length;
     pass.weights.resize(stage.weights);
     TurnWeights(layer, stage.input.channels, parameters.data() + stage.weights_begin, pass.weights.data());
     OverSamples([&](const Scalar* in, Scalar* out) {
       CombineRows<Scalar>({in, channels * layer.stride, 1}, {pass.weights.data(), filters}, {out, filters},
-                          places, channels * layer.kernel, filters, Sum::kOverwrite);
-      Eigen::Map<Matrix<Scalar>>(out, filters, places).colwise() += Biases(stage, parameters);
+                          positions, channels * layer.kernel, filters, Sum::kOverwrite);
+      Eigen::Map<Matrix<Scalar>>(out, filters, positions).colwise() += Biases(stage, parameters);
     });
     Activate(layer.activation, output);
   }
@@ -119,9 +119,9 @@ struct ForwardLayer {
   void operator()(const MaxPool& layer) {
     const Index channels = stage.input.channels;
     OverSamples([&](const Scalar* in, Scalar* out) {
-      for (Index place = 0; place < stage.output.length; ++place) {
-        const Scalar* from = in + place * layer.stride * channels;
-        Scalar* to = out + place * channels;
+      for (Index position = 0; position < stage.output.length; ++position) {
+        const Scalar* from = in + position * layer.stride * channels;
+        Scalar* to = out + position * channels;
         std::copy_n(from, channels, to);
         for (Index k = 1; k < layer.size; ++k) {
           for (Index c = 0; c < channels; ++c) to[c] = std::max(to[c], from[k * channels + c]);
@@ -141,9 +141,9 @@ struct ForwardLayer {
   template <typename Task>
   void OverSamples(const Task& task) {
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      const Scalar* in = PlacesOf(input, sample, stage.input, stage.turns_input, pass.input_places);
-      task(in, PlacesFor(output, sample, stage.output, stage.turns_output, pass.output_places));
-      PutPlaces(output, sample, stage.output, stage.turns_output, pass.output_places);
+      const Scalar* in = PositionsOf(input, sample, stage.input, stage.turns_input, pass.input_positions);
+      task(in, PositionsFor(output, sample, stage.output, stage.turns_output, pass.output_positions));
+      PutPositions(output, sample, stage.output, stage.turns_output, pass.output_positions);
     }
   }
 };
@@ -174,7 +174,7 @@ struct BackwardLayer {
                         {back.data(), inputs}, input.cols(), units, inputs, Sum::kOverwrite);
     if (!stage.turns_input) return;
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      TurnToPlaces(pass.turned.col(sample).data(), stage.input, input_gradient->col(sample).data());
+      TurnToPositions(pass.turned.col(sample).data(), stage.input, input_gradient->col(sample).data());
     }
   }
 
@@ -182,18 +182,18 @@ struct BackwardLayer {
     MultiplyBySlope(layer.activation, output, output_gradient);
     const Index filters = layer.filters;
     const Index channels = stage.input.channels;
-    const Index places = stage.output.length;
+    const Index positions = stage.output.length;
     Biases(stage, parameter_gradient).setZero();
     pass.weight_gradient.resize(stage.weights);
     Sum sum = Sum::kOverwrite;
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      const Scalar* in = PlacesOf(input, sample, stage.input, stage.turns_input, pass.input_places);
-      const Scalar* gradient = GradientPlaces(sample);
+      const Scalar* in = PositionsOf(input, sample, stage.input, stage.turns_input, pass.input_positions);
+      const Scalar* gradient = GradientPositions(sample);
       CombineRows<Scalar>({in, 1, channels * layer.stride}, {gradient, filters},
-                          {pass.weight_gradient.data(), filters}, channels * layer.kernel, places, filters,
+                          {pass.weight_gradient.data(), filters}, channels * layer.kernel, positions, filters,
                           sum);
       Biases(stage, parameter_gradient) +=
-          Eigen::Map<const Matrix<Scalar>>(gradient, filters, places).rowwise().sum();
+          Eigen::Map<const Matrix<Scalar>>(gradient, filters, positions).rowwise().sum();
       sum = Sum::kAdd;
     }
     TurnWeightsBack(layer, stage.input.channels, pass.weight_gradient.data(),
@@ -201,30 +201,31 @@ struct BackwardLayer {
     if (input_gradient == nullptr) return;
     TurnInputWeights(layer);
     OverInputGradients([&](Index sample, Scalar* back) {
-      const Scalar* gradient = GradientPlaces(sample);
+      const Scalar* gradient = GradientPositions(sample);
       for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
         CombineRows<Scalar>(
             {gradient, filters, 1}, {pass.weights.data() + kernel * filters * channels, channels},
-            {back + kernel * channels, channels * layer.stride}, places, filters, channels, Sum::kAdd);
+            {back + kernel * channels, channels * layer.stride}, positions, filters, channels, Sum::kAdd);
       }
     });
   }
 
-  // To the first of the greatest: what is left of the gradient goes to the first place that has the maximum.
+  // To the first of the greatest: what is left of the gradient goes to the first position that has the
+  // maximum.
   void operator()(const MaxPool& layer) {
     if (input_gradient == nullptr) return;
     const Index channels = stage.input.channels;
     Vector<Scalar> left(channels);
     Vector<Scalar> greatest;
     OverInputGradients([&](Index sample, Scalar* back) {
-      const Scalar* in = PlacesOf(input, sample, stage.input, stage.turns_input, pass.weights);
-      const Scalar* out = PlacesOf(output, sample, stage.output, stage.turns_output, greatest);
-      const Scalar* gradient = GradientPlaces(sample);
-      for (Index place = 0; place < stage.output.length; ++place) {
-        const Index begin = place * layer.stride * channels;
-        std::copy_n(gradient + place * channels, channels, left.data());
+      const Scalar* in = PositionsOf(input, sample, stage.input, stage.turns_input, pass.weights);
+      const Scalar* out = PositionsOf(output, sample, stage.output, stage.turns_output, greatest);
+      const Scalar* gradient = GradientPositions(sample);
+      for (Index position = 0; position < stage.output.length; ++position) {
+        const Index begin = position * layer.stride * channels;
+        std::copy_n(gradient + position * channels, channels, left.data());
         for (Index k = 0; k < layer.size; ++k) {
-          PassOn(in + begin + k * channels, out + place * channels, channels, left.data(),
+          PassOn(in + begin + k * channels, out + position * channels, channels, left.data(),
                  back + begin + k * channels);
         }
       }
@@ -250,18 +251,19 @@ struct BackwardLayer {
     }
   }
 
-  const Scalar* GradientPlaces(Index sample) {
-    return PlacesOf(output_gradient, sample, stage.output, stage.turns_output, pass.output_places);
+  const Scalar* GradientPositions(Index sample) {
+    return PositionsOf(output_gradient, sample, stage.output, stage.turns_output, pass.output_positions);
   }
 
   // The gradient of each sample of the input, from zero on.
   template <typename Task>
   void OverInputGradients(const Task& task) {
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      Scalar* back = PlacesFor(*input_gradient, sample, stage.input, stage.turns_input, pass.input_places);
+      Scalar* back =
+          PositionsFor(*input_gradient, sample, stage.input, stage.turns_input, pass.input_positions);
       std::fill_n(back, stage.input.size(), Scalar(0));
       task(sample, back);
-      PutPlaces(*input_gradient, sample, stage.input, stage.turns_input, pass.input_places);
+      PutPositions(*input_gradient, sample, stage.input, stage.turns_input, pass.input_positions);
     }
   }
 

@@ -30,8 +30,9 @@ class Network {
     Eigen::Index weights_begin{};
     Eigen::Index weights{};  // 0 for layers without parameters
     Eigen::Index biases{};   // behind the weights
-    // Between stages series stand with the channels of each place side by side, where the networks' own
-    // input, output and dense layers have [channel][place]: whether this stage turns what it takes, or gives.
+    // Between stages series stand with the channels of each position side by side, where the networks' own
+    // input, output and dense layers have [channel][position]: whether this stage turns what it takes, or
+    // gives.
     bool turns_input{};
     bool turns_output{};
   };
@@ -54,12 +55,12 @@ class Network {
 /// Memory of one pass; belongs to one thread at a time, and is used again.
 template <typename Scalar>
 struct Pass {
-  std::vector<Matrix<Scalar>> outputs;    // of each stage; of series, but for the last, [place][channel]
+  std::vector<Matrix<Scalar>> outputs;    // of each stage; of series, but for the last, [position][channel]
   std::vector<Matrix<Scalar>> gradients;  // of the loss, by the output of each stage
   Vector<Scalar> weights;                 // of a convolution, in the order of its sums
   Vector<Scalar> weight_gradient;
-  Vector<Scalar> input_places;  // one sample, turned
-  Vector<Scalar> output_places;
+  Vector<Scalar> input_positions;  // one sample, turned
+  Vector<Scalar> output_positions;
   Matrix<Scalar> turned;  // all samples
 };
 

@@ -33,10 +33,10 @@ std::vector<double> ArrivalTimes(std::span<const double> time_s, const std::vect
   double along = 0.0;
   double squares = 0.0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double place = static_cast<double>(k) - middle;
+    const double offset = static_cast<double>(k) - middle;
     mean_s += time_s[rows[k]] / static_cast<double>(rows.size());
-    along += place * time_s[rows[k]];
-    squares += place * place;
+    along += offset * time_s[rows[k]];
+    squares += offset * offset;
   }
   const auto even_s = [&](std::size_t k) {
     return mean_s + along / squares * (static_cast<double>(k) - middle);

@@ -88,9 +88,9 @@ double ResolutionOf(std::span<const double> values) {
     distances.push_back(*std::next(at) - *at);
   double step = EstimateNoise(values).step;
   if (!distances.empty()) {
-    const auto place = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / kPart);
-    std::nth_element(distances.begin(), place, distances.end());
-    step = std::min(step, *place);
+    const auto quantile = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / kPart);
+    std::nth_element(distances.begin(), quantile, distances.end());
+    step = std::min(step, *quantile);
   }
   return std::max(step, QuantisationStep(values));
 }

@@ -34,9 +34,9 @@ bool EvenWithinTicks(std::vector<double>& time_s) {
     double along = 0.0;
     double squares = 0.0;
     for (std::size_t i = first; i < last; ++i) {
-      const double place = static_cast<double>(i - first) - 0.5 * (count - 1.0);
-      along += place * (time_s[i] - mean_s);
-      squares += place * place;
+      const double offset = static_cast<double>(i - first) - 0.5 * (count - 1.0);
+      along += offset * (time_s[i] - mean_s);
+      squares += offset * offset;
     }
     const double step_s = squares > 0.0 ? along / squares : 0.0;
     double early_s = 0.0;

@@ -71,9 +71,9 @@ double UsualStep(std::span<const double> values, const Wraps& wraps) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < values.size(); ++i)
     steps.push_back(std::abs(WrappedStep(values[i] - values[i - 1], wraps.modulus)) / wraps.modulus);
-  const auto place = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() * 19 / 20);
-  std::nth_element(steps.begin(), place, steps.end());
-  return *place;
+  const auto quantile = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() * 19 / 20);
+  std::nth_element(steps.begin(), quantile, steps.end());
+  return *quantile;
 }
 
 void Unwrap(std::span<double> values, double modulus, const std::vector<bool>& returns) {

@@ -52,8 +52,8 @@ Eigen::VectorXd NonNegativeLeastSquares(const Eigen::MatrixXd& a, const Eigen::V
 
 }  // namespace
 
-double DistanceFromHull(const Eigen::MatrixXd& points, const Eigen::VectorXd& place) {
-  if (points.rows() < 1 || points.cols() != place.size())
+double DistanceFromHull(const Eigen::MatrixXd& points, const Eigen::VectorXd& point) {
+  if (points.rows() < 1 || points.cols() != point.size())
     throw std::invalid_argument("points and place do not have the same, one or more, coordinates");
   // The sum of weights as a further coordinate, heavy enough to hold.
   constexpr double kHeavy = 1e3;
@@ -62,9 +62,9 @@ double DistanceFromHull(const Eigen::MatrixXd& points, const Eigen::VectorXd& pl
   a.topRows(d) = points.transpose();
   a.row(d).setConstant(kHeavy);
   Eigen::VectorXd b(d + 1);
-  b << place, kHeavy;
+  b << point, kHeavy;
   const Eigen::VectorXd weights = NonNegativeLeastSquares(a, b);
-  const double distance = (points.transpose() * weights - place).norm();
+  const double distance = (points.transpose() * weights - point).norm();
   constexpr double kInside = 1e-7;
   return distance < kInside ? 0.0 : distance;
 }

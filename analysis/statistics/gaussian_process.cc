@@ -18,9 +18,9 @@ namespace {
 void RequireParameters(const ReplicatedData& data, const GaussianProcessParameters& parameters) {
   RequirePositive("signal_variance", parameters.signal_variance);
   RequirePositive("noise_variance", parameters.noise_variance);
-  if (parameters.length.size() != data.places.cols())
+  if (parameters.length.size() != data.points.cols())
     throw std::invalid_argument(fmt::format("{} lengths for {} coordinates (expected one each)",
-                                            parameters.length.size(), data.places.cols()));
+                                            parameters.length.size(), data.points.cols()));
   for (const double length : parameters.length) RequirePositive("length", length);
 }
 
@@ -46,7 +46,7 @@ struct Inverted {
 };
 Inverted Invert(const ReplicatedData& data, const GaussianProcessParameters& parameters) {
   Inverted inverted;
-  inverted.kernel = Kernel(data.places, data.places, parameters);
+  inverted.kernel = Kernel(data.points, data.points, parameters);
   Eigen::MatrixXd covariance = inverted.kernel;
   covariance.diagonal().array() += parameters.noise_variance / data.counts.array();
   const Eigen::MatrixXd lower = InverseCholesky(covariance);
@@ -64,25 +64,25 @@ double MeanAt(const ReplicatedData& data, const Eigen::MatrixXd& inverse, MeanOf
 
 }  // namespace
 
-ReplicatedData Replicated(const Eigen::MatrixXd& places, const Eigen::VectorXd& values) {
-  if (places.rows() != values.size() || places.cols() < 1 || values.size() < 1)
+ReplicatedData Replicated(const Eigen::MatrixXd& points, const Eigen::VectorXd& values) {
+  if (points.rows() != values.size() || points.cols() < 1 || values.size() < 1)
     throw std::invalid_argument(
         fmt::format("{} values at {} places of {} coordinates (expected one each, of one "
                     "coordinate or more)",
-                    values.size(), places.rows(), places.cols()));
+                    values.size(), points.rows(), points.cols()));
   std::map<std::vector<double>, std::vector<double>> groups;
-  for (Eigen::Index i = 0; i < places.rows(); ++i) {
-    const Eigen::VectorXd place = places.row(i);
-    RequireFinite("places", std::span<const double>(place.data(), static_cast<std::size_t>(place.size())));
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const Eigen::VectorXd point = points.row(i);
+    RequireFinite("places", std::span<const double>(point.data(), static_cast<std::size_t>(point.size())));
     RequireFinite("values", values(i));
-    groups[{place.begin(), place.end()}].push_back(values(i));
+    groups[{point.begin(), point.end()}].push_back(values(i));
   }
   const auto count = static_cast<Eigen::Index>(groups.size());
-  ReplicatedData data{Eigen::MatrixXd(count, places.cols()), Eigen::VectorXd(count), Eigen::VectorXd(count),
+  ReplicatedData data{Eigen::MatrixXd(count, points.cols()), Eigen::VectorXd(count), Eigen::VectorXd(count),
                       0.0};
   Eigen::Index at = 0;
-  for (const auto& [place, members] : groups) {
-    data.places.row(at) = Eigen::Map<const Eigen::RowVectorXd>(place.data(), places.cols());
+  for (const auto& [point, members] : groups) {
+    data.points.row(at) = Eigen::Map<const Eigen::RowVectorXd>(point.data(), points.cols());
     const Eigen::Map<const Eigen::VectorXd> all(members.data(), static_cast<Eigen::Index>(members.size()));
     data.means(at) = all.mean();
     data.counts(at) = static_cast<double>(members.size());
@@ -108,11 +108,11 @@ LogLikelihood LogMarginalLikelihood(const ReplicatedData& data, const GaussianPr
                  0.5 * data.counts.array().log().sum();
   // ½ tr((w wᵀ − C⁻¹) dC), and what the groups' own scatter says of the noise.
   const Eigen::MatrixXd slope = weights * weights.transpose() - inverted.inverse;
-  const Eigen::Index d = data.places.cols();
+  const Eigen::Index d = data.points.cols();
   result.gradient = Eigen::VectorXd::Zero(d + 2);
   result.gradient(0) = 0.5 * slope.cwiseProduct(inverted.kernel).sum();
   for (Eigen::Index k = 0; k < d; ++k) {
-    const Eigen::VectorXd x = data.places.col(k) / parameters.length(k);
+    const Eigen::VectorXd x = data.points.col(k) / parameters.length(k);
     const Eigen::MatrixXd square =
         (x.replicate(1, x.size()) - x.transpose().replicate(x.size(), 1)).array().square();
     result.gradient(1 + k) = 0.5 * slope.cwiseProduct(inverted.kernel).cwiseProduct(square).sum();
@@ -136,11 +136,11 @@ GaussianProcess::GaussianProcess(ReplicatedData data, GaussianProcessParameters 
   weights_ = inverse_ * (data_.means.array() - mean_).matrix();
 }
 
-Posterior GaussianProcess::At(const Eigen::MatrixXd& places) const {
-  const Eigen::MatrixXd cross = Kernel(places, data_.places, parameters_);
+Posterior GaussianProcess::At(const Eigen::MatrixXd& points) const {
+  const Eigen::MatrixXd cross = Kernel(points, data_.points, parameters_);
   Posterior posterior;
   posterior.mean = (cross * weights_).array() + mean_;
-  posterior.covariance = Kernel(places, places, parameters_) - cross * inverse_ * cross.transpose();
+  posterior.covariance = Kernel(points, points, parameters_) - cross * inverse_ * cross.transpose();
   if (mean_of_ == MeanOf::kConstant) {
     const Eigen::VectorXd left = 1.0 - (cross * inverse_.rowwise().sum()).array();
     posterior.covariance += left * left.transpose() / inverse_.sum();

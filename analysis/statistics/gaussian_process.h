@@ -27,19 +27,19 @@ enum class MeanOf {
   kConstant,  // m is estimated, by generalised least squares
 };
 
-/// Measurements, those at one place together: their likelihood depends on their means, their number and the
+/// Measurements, those at one point together: their likelihood depends on their means, their number and the
 /// sum of squares about the means alone.
 struct ReplicatedData {
-  Eigen::MatrixXd places;  // groups × coordinates
+  Eigen::MatrixXd points;  // groups × coordinates
   Eigen::VectorXd means;   // of the measurements at each
   Eigen::VectorXd counts;
   double within{};  // sum of squares about the means
 
   double size() const { return counts.sum(); }
 };
-/// @param places  n × coordinates.
+/// @param points  n × coordinates.
 /// @throws std::invalid_argument if sizes differ, there is no measurement, or a number is not finite.
-ReplicatedData Replicated(const Eigen::MatrixXd& places, const Eigen::VectorXd& values);
+ReplicatedData Replicated(const Eigen::MatrixXd& points, const Eigen::VectorXd& values);
 
 /// ln p(y), and its gradient by ln σf², ln h_1 … ln h_d (or one ln h, where `one_length`), ln σn².
 struct LogLikelihood {
@@ -51,7 +51,7 @@ struct LogLikelihood {
 LogLikelihood LogMarginalLikelihood(const ReplicatedData& data, const GaussianProcessParameters& parameters,
                                     MeanOf mean, bool one_length = false);
 
-/// What is known of the surface at some places.
+/// What is known of the surface at some points.
 struct Posterior {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;  // of the surface; a new measurement has σn² more of variance
@@ -69,8 +69,8 @@ class GaussianProcess {
   double mean() const { return mean_; }  // m
   double log_likelihood() const { return log_likelihood_; }
 
-  /// @param places  p × coordinates.
-  Posterior At(const Eigen::MatrixXd& places) const;
+  /// @param points  p × coordinates.
+  Posterior At(const Eigen::MatrixXd& points) const;
 
  private:
   ReplicatedData data_;

@@ -99,7 +99,7 @@ GaussianProcess FitGaussianProcess(const ReplicatedData& data, const GaussianPro
   ProfileLikelihood likelihood(data, settings.mean, settings.one_length);
   const Eigen::Index count = likelihood.parameter_count();
   const Eigen::VectorXd range =
-      (data.places.colwise().maxCoeff() - data.places.colwise().minCoeff()).transpose();
+      (data.points.colwise().maxCoeff() - data.points.colwise().minCoeff()).transpose();
   Box box{Eigen::VectorXd(count), Eigen::VectorXd(count)};
   Eigen::VectorXd middle(count);
   for (Eigen::Index k = 0; k + 1 < count; ++k) {
@@ -129,8 +129,8 @@ GaussianProcess FitGaussianProcess(const ReplicatedData& data, const GaussianPro
   GaussianProcessParameters parameters;
   parameters.signal_variance = likelihood.signal_variance();
   parameters.noise_variance = parameters.signal_variance * std::exp(best.at(count - 1));
-  parameters.length = Eigen::VectorXd(data.places.cols());
-  for (Eigen::Index k = 0; k < data.places.cols(); ++k)
+  parameters.length = Eigen::VectorXd(data.points.cols());
+  for (Eigen::Index k = 0; k < data.points.cols(); ++k)
     parameters.length(k) = std::exp(best.at(settings.one_length ? 0 : k));
   return {data, std::move(parameters), settings.mean};
 }

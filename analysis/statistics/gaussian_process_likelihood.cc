@@ -76,7 +76,7 @@ void SquareOfLower(const double* v, double* inverse, Index n) {
 ProfileLikelihood::ProfileLikelihood(const ReplicatedData& data, MeanOf mean, bool one_length)
     : data_(data),
       mean_(mean),
-      lengths_(one_length ? 1 : data.places.cols()),
+      lengths_(one_length ? 1 : data.points.cols()),
       groups_(data.means.size()),
       log_counts_(data.counts.array().log().sum()) {
   const Eigen::Index pairs = groups_ * (groups_ - 1) / 2;
@@ -84,7 +84,7 @@ ProfileLikelihood::ProfileLikelihood(const ReplicatedData& data, MeanOf mean, bo
   Eigen::Index pair = 0;
   for (Eigen::Index i = 0; i < groups_; ++i) {
     for (Eigen::Index j = 0; j < i; ++j, ++pair) {
-      const Eigen::VectorXd square = (data.places.row(i) - data.places.row(j)).array().square();
+      const Eigen::VectorXd square = (data.points.row(i) - data.points.row(j)).array().square();
       if (one_length) {
         squares_(pair, 0) = square.sum();
       } else {

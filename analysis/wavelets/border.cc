@@ -33,15 +33,15 @@ std::string_view NameOf(Border border) {
   return std::ranges::find(kNames, border, &std::pair<std::string_view, Border>::second)->first;
 }
 
-std::ptrdiff_t InsidePlace(std::ptrdiff_t place, std::ptrdiff_t n, Border border) {
-  if (place >= 0 && place < n) return place;
+std::ptrdiff_t InsideIndex(std::ptrdiff_t index, std::ptrdiff_t n, Border border) {
+  if (index >= 0 && index < n) return index;
   switch (border) {
     case Border::kSymmetric: {
-      const std::ptrdiff_t folded = Modulo(place, 2 * n);
+      const std::ptrdiff_t folded = Modulo(index, 2 * n);
       return folded < n ? folded : 2 * n - 1 - folded;
     }
     case Border::kPeriodization:
-      return std::min(Modulo(place, n + n % 2), n - 1);
+      return std::min(Modulo(index, n + n % 2), n - 1);
     case Border::kZero:
       return -1;
   }

@@ -17,8 +17,8 @@ enum class Border {
 Border BorderOf(std::string_view name);
 std::string_view NameOf(Border border);
 
-/// Where the sample at `place`, inside or outside, is found among the n ≥ 1 of the signal; a short signal is
+/// Where the sample at `index`, inside or outside, is found among the n ≥ 1 of the signal; a short signal is
 /// mirrored or repeated as often as it takes. −1: a zero.
-std::ptrdiff_t InsidePlace(std::ptrdiff_t place, std::ptrdiff_t n, Border border);
+std::ptrdiff_t InsideIndex(std::ptrdiff_t index, std::ptrdiff_t n, Border border);
 
 }  // namespace strainwave::analysis::wavelets

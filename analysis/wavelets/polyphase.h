@@ -12,7 +12,7 @@ inline constexpr std::size_t kBlock = 256;    // coefficients at a time
 inline constexpr std::size_t kMostHalf = 20;  // half the length of the longest filter
 inline constexpr std::size_t kBlockRoom = kBlock + kMostHalf + 4 * kLanes;
 
-/// A segment of signal, its even and odd samples apart. Filters read a few places beyond what was filled in
+/// A segment of signal, its even and odd samples apart. Filters read a few values beyond what was filled in
 /// and drop what comes of them.
 struct PolyphaseBlock {
   double even[kBlockRoom]{};

@@ -12,7 +12,7 @@
 namespace strainwave::analysis::wavelets {
 namespace {
 
-using Place = std::ptrdiff_t;
+using Index = std::ptrdiff_t;
 
 void RequireCount(std::string_view name, std::size_t got, std::size_t expected) {
   if (got != expected) {
@@ -21,25 +21,25 @@ void RequireCount(std::string_view name, std::size_t got, std::size_t expected) 
 }
 
 // The samples at begin, begin + 1, …, beyond the ends as the border says, even and odd ones apart.
-void Gather(std::span<const double> signal, Place begin, std::size_t pairs, Border border,
+void Gather(std::span<const double> signal, Index begin, std::size_t pairs, Border border,
             PolyphaseBlock& block) {
-  const auto n = static_cast<Place>(signal.size());
-  if (begin >= 0 && begin + static_cast<Place>(2 * pairs) <= n) {
+  const auto n = static_cast<Index>(signal.size());
+  if (begin >= 0 && begin + static_cast<Index>(2 * pairs) <= n) {
     Deinterleave(signal.data() + begin, pairs, block.even, block.odd);
     return;
   }
   for (std::size_t t = 0; t < 2 * pairs; ++t) {
-    const Place place = InsidePlace(begin + static_cast<Place>(t), n, border);
-    (t % 2 == 0 ? block.even : block.odd)[t / 2] = place < 0 ? 0.0 : signal[static_cast<std::size_t>(place)];
+    const Index index = InsideIndex(begin + static_cast<Index>(t), n, border);
+    (t % 2 == 0 ? block.even : block.odd)[t / 2] = index < 0 ? 0.0 : signal[static_cast<std::size_t>(index)];
   }
 }
 
 // Coefficients at begin, begin + 1, …; only by periodization are some of them outside.
-void GatherCircular(std::span<const double> coefficients, Place begin, std::size_t count, double* block) {
-  const auto n = static_cast<Place>(coefficients.size());
+void GatherCircular(std::span<const double> coefficients, Index begin, std::size_t count, double* block) {
+  const auto n = static_cast<Index>(coefficients.size());
   for (std::size_t t = 0; t < count; ++t) {
-    const Place place = (begin + static_cast<Place>(t)) % n;
-    block[t] = coefficients[static_cast<std::size_t>(place < 0 ? place + n : place)];
+    const Index index = (begin + static_cast<Index>(t)) % n;
+    block[t] = coefficients[static_cast<std::size_t>(index < 0 ? index + n : index)];
   }
 }
 
@@ -61,11 +61,11 @@ void Transform(std::span<const double> signal, const FilterBank& bank, Border bo
   if (!approximation.empty()) RequireCount("approximation", approximation.size(), count);
   if (!detail.empty()) RequireCount("detail", detail.size(), count);
   const std::size_t half = bank.length() / 2;
-  const Place shift = border == Border::kPeriodization ? static_cast<Place>(half) : 1;
+  const Index shift = border == Border::kPeriodization ? static_cast<Index>(half) : 1;
   PolyphaseBlock block;
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t here = std::min(kBlock, count - begin);
-    Gather(signal, static_cast<Place>(2 * begin) + shift - static_cast<Place>(bank.length()) + 1,
+    Gather(signal, static_cast<Index>(2 * begin) + shift - static_cast<Index>(bank.length()) + 1,
            here + half - 1, border, block);
     // Reversed, the decomposition filters are those of the reconstruction.
     if (!approximation.empty() && !detail.empty()) {
@@ -90,7 +90,7 @@ void InverseTransform(std::span<const double> approximation, std::span<const dou
   }
   RequireCount("signal", signal.size(), count);
   const std::size_t half = bank.length() / 2;
-  // Sample p is place p + shift of the full convolution of the coefficients, with zeros between, and the
+  // Sample p is index p + shift of the full convolution of the coefficients, with zeros between, and the
   // filter.
   const std::size_t shift = border == Border::kPeriodization ? half - 1 : bank.length() - 2;
   CoefficientBlock low;
@@ -100,14 +100,14 @@ void InverseTransform(std::span<const double> approximation, std::span<const dou
   const std::size_t last_pair = (shift + count - 1) / 2;
   for (std::size_t pair = shift / 2; pair <= last_pair; pair += kBlock) {
     const std::size_t here = std::min(kBlock, last_pair - pair + 1);
-    const Place begin = static_cast<Place>(pair) - static_cast<Place>(half) + 1;
+    const Index begin = static_cast<Index>(pair) - static_cast<Index>(half) + 1;
     GatherCircular(approximation, begin, here + half - 1, low.values);
     GatherCircular(detail, begin, here + half - 1, high.values);
     Synthesize(low, high, bank.decomposition_low.data(), bank.decomposition_high.data(), half, even, odd);
     for (std::size_t i = 0; i < here; ++i) {
-      const std::size_t place = 2 * (pair + i);
-      if (place >= shift && place - shift < count) signal[place - shift] = even[i];
-      if (place + 1 >= shift && place + 1 - shift < count) signal[place + 1 - shift] = odd[i];
+      const std::size_t index = 2 * (pair + i);
+      if (index >= shift && index - shift < count) signal[index - shift] = even[i];
+      if (index + 1 >= shift && index + 1 - shift < count) signal[index + 1 - shift] = odd[i];
     }
   }
 }

@@ -20,9 +20,9 @@ std::size_t SampleCount(std::size_t coefficients, std::size_t filter_length, Bor
 /// periodization F/2.
 ///
 /// @param signal  at least one sample.
-/// @param approximation, detail  `CoefficientCount` places each, or none to leave that one out; apart from
+/// @param approximation, detail  `CoefficientCount` values each, or none to leave that one out; apart from
 ///   the signal.
-/// @throws std::invalid_argument if the signal is empty or another number of places is given.
+/// @throws std::invalid_argument if the signal is empty or another number of values is given.
 ///
 /// Source: Mallat, A Wavelet Tour of Signal Processing (2009), section 7.3; borders as in PyWavelets.
 void Transform(std::span<const double> signal, const FilterBank& bank, Border border,
@@ -31,7 +31,7 @@ void Transform(std::span<const double> signal, const FilterBank& bank, Border bo
 /// The signal again: the exact inverse, but for an odd length, which comes back one sample longer.
 ///
 /// @param approximation, detail  of equal length; long enough for a sample by `SampleCount`.
-/// @param signal  `SampleCount` places, apart from the coefficients.
+/// @param signal  `SampleCount` values, apart from the coefficients.
 /// @throws std::invalid_argument if lengths do not fit.
 void InverseTransform(std::span<const double> approximation, std::span<const double> detail,
                       const FilterBank& bank, Border border, std::span<double> signal);

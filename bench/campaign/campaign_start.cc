@@ -23,7 +23,7 @@ constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
 
 bool AppliesLoad(const schedules::PhaseParameters& parameters) {
   if (const auto* check = std::get_if<schedules::SensorCheck>(&parameters))
-    return check->kind == schedules::SensorCheck::Kind::kZero;  // shaken loose before it is read
+    return check->kind == schedules::SensorCheck::Kind::kZero;  // freed by dither before it is read
   return !std::holds_alternative<schedules::Soak>(parameters);
 }
 

@@ -20,20 +20,21 @@ void EncoderSkew::BeginMove(double direction) noexcept {
   ++moves_;
 }
 
-void EncoderSkew::Add(const Readings& readings) noexcept {
-  if (in_move_ > 0 && readings.angles_time <= last_[1].angles_time) return;  // nothing new came in
-  if (in_move_ >= 2) Take(last_[0], last_[1], readings);
-  last_ = {last_[1], readings};
+void EncoderSkew::Add(const AlignedSample& sample) noexcept {
+  if (in_move_ > 0 && sample.time <= last_[1].time) return;  // nothing new came in
+  if (in_move_ >= 2) Take(last_[0], last_[1], sample);
+  last_ = {last_[1], sample};
   ++in_move_;
 }
 
-void EncoderSkew::Take(const Readings& before, const Readings& at, const Readings& after) noexcept {
+void EncoderSkew::Take(const AlignedSample& before, const AlignedSample& at,
+                       const AlignedSample& after) noexcept {
   const double difference_rad = at.input_angle_rad / ratio_ - at.output_angle_rad;
   if (!begun_) first_rad_ = difference_rad;
   begun_ = true;
   using Seconds = std::chrono::duration<double>;
-  const double to_s = Seconds(at.angles_time - before.angles_time).count();
-  const double from_s = Seconds(after.angles_time - at.angles_time).count();
+  const double to_s = Seconds(at.time - before.time).count();
+  const double from_s = Seconds(after.time - at.time).count();
   const double speed_to = (at.output_angle_rad - before.output_angle_rad) / to_s;
   const double speed_from = (after.output_angle_rad - at.output_angle_rad) / from_s;
   const double input_rad = at.input_angle_rad;

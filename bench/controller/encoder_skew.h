@@ -5,12 +5,13 @@
 #include <cstddef>
 #include <optional>
 
-#include "bench/roles/sampler.h"
+#include "bench/controller/sample_alignment.h"
 #include "daq/acquisition/channel_skew.h"
 
 namespace strainwave::bench {
 
-/// Time between the two encoders, from readings in motion (docs/effects.md E20): the output read s later,
+/// Time between the two encoders that their devices' times do not tell, from samples in motion
+/// (docs/effects.md E20): the output read s later,
 ///
 ///   input / ratio − output = −s ω + l a + c T + h d + Σ harmonics of input and output (1, 2) + constant,
 ///
@@ -28,8 +29,8 @@ class EncoderSkew {
   /// @param direction  1 or -1. What the fit misses of the readings within a move is alike, so that each move
   ///   counts as one reading.
   void BeginMove(double direction) noexcept;
-  /// The next reading of the move and of the standstill after it. Takes no memory.
-  void Add(const Readings& readings) noexcept;
+  /// The next sample of the move and of the standstill after it. Takes no memory.
+  void Add(const AlignedSample& sample) noexcept;
 
   /// Above zero: the output encoder is read later. Nothing where too little moved to tell.
   std::optional<daq::acquisition::Skew> Estimate() const;
@@ -37,11 +38,11 @@ class EncoderSkew {
  private:
   static constexpr std::size_t kUnknowns = 13;
 
-  void Take(const Readings& before, const Readings& at, const Readings& after) noexcept;
+  void Take(const AlignedSample& before, const AlignedSample& at, const AlignedSample& after) noexcept;
 
   double ratio_;
   double direction_{1.0};
-  std::array<Readings, 2> last_{};  // the newest last
+  std::array<AlignedSample, 2> last_{};  // the newest last
   int in_move_{};
   bool begun_{};
   double first_rad_{};  // of the difference, taken off so that no digits are lost

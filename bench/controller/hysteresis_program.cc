@@ -85,16 +85,22 @@ bool HysteresisProgram::Ramped(const Readings& readings) noexcept {
   return peak_Nm != 0.0 && std::copysign(1.0, peak_Nm) * (readings.output_torque_Nm - peak_Nm) >= 0.0;
 }
 
-// A row of torque and angles of one moment; none where nothing new has come.
-bool HysteresisProgram::LogRow(const Readings& readings, double elapsed_s,
-                               std::chrono::nanoseconds now) noexcept {
-  const std::optional<AlignedSample> sample = alignment_.Step(readings);
-  if (!sample || elapsed_s + 0.5 * period_s_ < next_row_s_) return true;
-  const double time_s = elapsed_s - loop_start_s_ - Seconds(now - sample->time);
-  if (time_s < 0.0) return true;
-  next_row_s_ += 1.0 / parameters_.log_rate_hz;
-  return logs_[angle_].Append({time_s, sample->output_torque_Nm, DegFromRad(sample->output_angle_rad),
-                               DegFromRad(sample->input_angle_rad), readings.gear_temperature_degC});
+// Rows of torque and angles of one moment each; none where nothing new has come. A torque that is sampled
+// more slowly than the angles makes one row a sample: between two of its own it would say nothing new.
+bool HysteresisProgram::LogRows(const Readings& readings, double elapsed_s,
+                                std::chrono::nanoseconds now) noexcept {
+  alignment_.Push(readings);
+  while (const std::optional<AlignedSample> sample = alignment_.Next()) {
+    const double sampled_s = elapsed_s - Seconds(now - sample->time);
+    const double time_s = sampled_s - loop_start_s_;
+    if (!sample->has_new_torque || time_s < 0.0 || sampled_s + 0.5 * period_s_ < next_row_s_) continue;
+    next_row_s_ += 1.0 / parameters_.log_rate_hz;
+    if (!logs_[angle_].Append({time_s, sample->output_torque_Nm, DegFromRad(sample->output_angle_rad),
+                               DegFromRad(sample->input_angle_rad), readings.gear_temperature_degC})) {
+      return false;
+    }
+  }
+  return true;
 }
 
 StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
@@ -110,7 +116,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
     case Stage::kTurnToAngle:
       devices.driving.CommandPosition(move_.PositionAt(in_stage_s) + drive_ahead_rad_);
       if (in_stage_s < move_.duration_s()) move_ended_ = devices.clock.Now();
-      if (in_stage_s < move_.duration_s() + kLockSettle_s || readings.angles_time < move_ended_)
+      if (in_stage_s < move_.duration_s() + kLockSettle_s || readings.angles_time() < move_ended_)
         return StepResult::kRunning;
       failed_ = PositionAway(target_rad_, readings);
       if (failed_) return StepResult::kFailedCheck;
@@ -144,7 +150,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
         ++peak_;
         hold_until_s_ = -1.0;
       }
-      if (!LogRow(readings, elapsed_s, devices.clock.Now())) return StepResult::kLogFull;
+      if (!LogRows(readings, elapsed_s, devices.clock.Now())) return StepResult::kLogFull;
       if (peak_ < peaks_Nm_.size()) return StepResult::kRunning;
       if (++angle_ == parameters_.lock_angles_rad.size()) return StepResult::kDone;
       stage_ = Stage::kRelease;

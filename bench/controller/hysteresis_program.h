@@ -36,7 +36,7 @@ class HysteresisProgram final : public PhaseProgram {
   double angles() const { return static_cast<double>(parameters_.lock_angles_rad.size()); }
   double loop_s() const;
   bool Ramped(const Readings& readings) noexcept;
-  bool LogRow(const Readings& readings, double elapsed_s, std::chrono::nanoseconds now) noexcept;
+  bool LogRows(const Readings& readings, double elapsed_s, std::chrono::nanoseconds now) noexcept;
   void BeginAngle(const Readings& readings, const ServoDrive& driving, double elapsed_s) noexcept;
 
   schedules::HysteresisTest parameters_;

@@ -108,7 +108,7 @@ void LoadRunProgram::Commit() noexcept {
 // Comes to rest without load, then parks where measurements begin: whatever is measured next starts from the
 // same teeth, however the load run ended.
 StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& devices) noexcept {
-  const std::chrono::duration<double> age = devices.clock.Now() - readings.angles_time;
+  const std::chrono::duration<double> age = devices.clock.Now() - readings.angles_time();
   oldest_angles_s_ = std::max(oldest_angles_s_, age.count());
   devices.load.CommandTorque(torque_.Step(0.0, period_s_));
   if (!parking_) {

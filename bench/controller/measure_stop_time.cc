@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/controller/measure_stop_time.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -75,11 +76,13 @@ class Measurement {
       measured[0].OnPower(devices_.driving.Actual().power, devices_.clock.Now());
       measured[1].OnPower(devices_.load.Actual().power, devices_.clock.Now());
       // By the angles: what the drives say of their speed ceases with SYNC.
-      const nanoseconds step = now.angles_time - before.angles_time;
-      if (step <= nanoseconds::zero()) continue;
-      const double step_s = std::chrono::duration<double>(step).count();
-      measured[0].OnSpeed((now.input_angle_rad - before.input_angle_rad) / step_s, now.angles_time);
-      measured[1].OnSpeed((now.output_angle_rad - before.output_angle_rad) / step_s, now.angles_time);
+      const nanoseconds input_step = now.input_angle_time - before.input_angle_time;
+      const nanoseconds output_step = now.output_angle_time - before.output_angle_time;
+      if (std::min(input_step, output_step) <= nanoseconds::zero()) continue;
+      measured[0].OnSpeed((now.input_angle_rad - before.input_angle_rad) / Seconds(input_step),
+                          now.input_angle_time);
+      measured[1].OnSpeed((now.output_angle_rad - before.output_angle_rad) / Seconds(output_step),
+                          now.output_angle_time);
       before = now;
     }
     std::array<StopTime, 2> times;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "analysis/units.h"
+#include "bench/controller/seconds.h"
 
 namespace strainwave::bench {
 namespace {
@@ -59,6 +60,7 @@ void RotationProgram::SetUp(const Readings&, BenchDevices& devices) {
 }
 
 StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+  alignment_.Push(readings);
   const double period_s = control_period_s();
   const double speed = direction_ * parameters_.input_speed_rad_per_s;
   switch (stage_) {
@@ -75,6 +77,7 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
       if (elapsed_s - start_s_ < kSettle_s) return StepResult::kRunning;
       rest_rad_ = readings.input_angle_rad;
       start_s_ = elapsed_s;
+      alignment_.BeginAfter(devices.clock.Now());
       stage_ = Stage::kBreakAway;
       return StepResult::kRunning;
     case Stage::kBreakAway:
@@ -89,29 +92,14 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
       if (watch_.failed()) return StepResult::kFailedCheck;
       if (std::abs(readings.input_speed_rad_per_s) > kSpeedReached * parameters_.input_speed_rad_per_s &&
           torque_.value() == -direction_ * parameters_.output_torque_Nm) {
-        measure_from_rad_ = readings.input_angle_rad;
         start_s_ = elapsed_s;
+        // A sample of this very moment is at speed as well.
+        alignment_.BeginAfter(devices.clock.Now() - std::chrono::nanoseconds(1));
         stage_ = Stage::kMeasure;
       }
       return StepResult::kRunning;
-    case Stage::kMeasure: {
-      watch_.Step(torque_.value(), speed_.value(), readings, period_s);
-      if (watch_.failed()) return StepResult::kFailedCheck;
-      const double travelled = direction_ * (readings.input_angle_rad - measure_from_rad_);
-      share_done_ = std::clamp(travelled / turn_input_rad_, 0.0, 1.0);
-      if (travelled >= turn_input_rad_) {
-        // A turn may be shorter than the dwell: what was measured at another load is no measurement.
-        failed_ = watch_.away_reason();
-        if (failed_) return StepResult::kFailedCheck;
-        stage_ = Stage::kRunDown;
-        return StepResult::kRunning;
-      }
-      return log_.Append({elapsed_s - start_s_, readings.input_angle_rad, readings.input_speed_rad_per_s,
-                          readings.motor_torque_Nm, DegFromRad(readings.output_angle_rad),
-                          readings.output_torque_Nm, readings.gear_temperature_degC})
-                 ? StepResult::kRunning
-                 : StepResult::kLogFull;
-    }
+    case Stage::kMeasure:
+      return Measure(readings, elapsed_s, devices);
     case Stage::kRunDown:
       devices.driving.CommandSpeed(speed_.Step(0.0, period_s));
       devices.load.CommandTorque(torque_.Step(0.0, period_s));
@@ -120,13 +108,45 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
   return StepResult::kRunning;
 }
 
+StepResult RotationProgram::Measure(const Readings& readings, double elapsed_s,
+                                    BenchDevices& devices) noexcept {
+  watch_.Step(torque_.value(), speed_.value(), readings, control_period_s());
+  if (watch_.failed()) return StepResult::kFailedCheck;
+  const std::chrono::nanoseconds now = devices.clock.Now();
+  while (const std::optional<AlignedSample> sample = alignment_.Next()) {
+    if (!measure_from_rad_) {
+      measure_from_rad_ = sample->input_angle_rad;
+      continue;
+    }
+    const double travelled = direction_ * (sample->input_angle_rad - *measure_from_rad_);
+    share_done_ = std::clamp(travelled / turn_input_rad_, 0.0, 1.0);
+    if (travelled >= turn_input_rad_) {
+      // A turn may be shorter than the dwell: what was measured at another load is no measurement.
+      failed_ = watch_.away_reason();
+      if (failed_) return StepResult::kFailedCheck;
+      stage_ = Stage::kRunDown;
+      return StepResult::kRunning;
+    }
+    const bool kept = log_.Append({elapsed_s - start_s_ - Seconds(now - sample->time),
+                                   sample->input_angle_rad, sample->input_speed_rad_per_s,
+                                   sample->motor_torque_Nm, DegFromRad(sample->output_angle_rad),
+                                   sample->output_torque_Nm, readings.gear_temperature_degC});
+    if (!kept) return StepResult::kLogFull;
+  }
+  return StepResult::kRunning;
+}
+
 StepResult RotationProgram::BreakAway(const Readings& readings, double elapsed_s,
                                       BenchDevices& devices) noexcept {
-  const bool kept =
-      breakaway_log_.Append({elapsed_s - start_s_, readings.input_angle_rad, readings.input_speed_rad_per_s,
-                             readings.motor_torque_Nm, readings.gear_temperature_degC});
-  if (!kept) return StepResult::kLogFull;
-  const bool moved = std::abs(readings.input_angle_rad - rest_rad_) > kBrokenAway_rad;
+  const std::chrono::nanoseconds now = devices.clock.Now();
+  bool moved = false;
+  while (const std::optional<AlignedSample> sample = alignment_.Next()) {
+    const bool kept = breakaway_log_.Append({elapsed_s - start_s_ - Seconds(now - sample->time),
+                                             sample->input_angle_rad, sample->input_speed_rad_per_s,
+                                             sample->motor_torque_Nm, readings.gear_temperature_degC});
+    if (!kept) return StepResult::kLogFull;
+    moved = moved || std::abs(sample->input_angle_rad - rest_rad_) > kBrokenAway_rad;
+  }
   if (moved || std::abs(breakaway_.value()) >= kMostBreakaway_Nm) {
     devices.driving.Enable(DriveMode::kSpeed);
     stage_ = Stage::kChangeMode;

@@ -15,11 +15,11 @@ using Kind = schedules::SensorCheck::Kind;
 constexpr double kSensorSettle_s = 1.0;
 
 // To and fro once a second, each time by a tenth less: at last by 2 % of T2.
-constexpr double kShakes_hz = 1.0;
-constexpr double kShake_s = 18.0;
+constexpr double kDither_Hz = 1.0;
+constexpr double kDither_s = 18.0;
 constexpr double kDecay_per_s = 0.21;
-// What does not reach half of T2 in two swings does not shake the gear loose.
-constexpr double kFirstSwings_s = 2.0 / kShakes_hz;
+// What does not reach half of T2 in two periods does not free the gear.
+constexpr double kFirstPeriods_s = 2.0 / kDither_Hz;
 constexpr double kLeastOfFirst = 0.5;
 
 double Segments(const schedules::SensorCheck& check) { return check.kind == Kind::kShunt ? 2.0 : 1.0; }
@@ -38,7 +38,7 @@ SensorCheckProgram::SensorCheckProgram(const schedules::SensorCheck& parameters,
       first_Nm_(specimen.t2_Nm),
       stage_(parameters.kind == Kind::kZero ? Stage::kBringUp : Stage::kRead),
       planned_s_(Segments(parameters) * (parameters.duration_s + kSensorSettle_s) +
-                 (parameters.kind == Kind::kZero ? kShake_s : 0.0)),
+                 (parameters.kind == Kind::kZero ? kDither_s : 0.0)),
       log_(ColumnsOf(parameters.kind),
            static_cast<std::size_t>(Segments(parameters) * (parameters.duration_s / period_s + 2.0))) {}
 
@@ -52,23 +52,23 @@ void SensorCheckProgram::SetUp(const Readings&, BenchDevices& devices) {
 }
 
 // False where the load servo does not give what it is asked for.
-bool SensorCheckProgram::Shake(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+bool SensorCheckProgram::Dither(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
   if (stage_ == Stage::kBringUp) {
     if (!BroughtUp(devices.load)) return true;
-    stage_ = Stage::kShake;
+    stage_ = Stage::kDither;
     locked_output_rad_ = readings.output_angle_rad;
     segment_start_s_ = elapsed_s;
   }
   const double in_segment_s = elapsed_s - segment_start_s_;
-  if (in_segment_s < kFirstSwings_s) {
+  if (in_segment_s < kFirstPeriods_s) {
     most_seen_Nm_ = std::max(most_seen_Nm_, std::abs(readings.output_torque_Nm));
   } else if (most_seen_Nm_ < kLeastOfFirst * first_Nm_) {
     failed_ = {StopCause::kTorqueAway, most_seen_Nm_, first_Nm_, readings.time, BenchServo::kLoad};
     return false;
   }
-  if (in_segment_s < kShake_s) {
+  if (in_segment_s < kDither_s) {
     devices.load.CommandTorque(first_Nm_ * std::exp(-kDecay_per_s * in_segment_s) *
-                               std::sin(kTwoPi * kShakes_hz * in_segment_s));
+                               std::sin(kTwoPi * kDither_Hz * in_segment_s));
     return true;
   }
   devices.load.SetBrake(true);
@@ -82,7 +82,7 @@ StepResult SensorCheckProgram::Step(const Readings& readings, double elapsed_s,
                                     BenchDevices& devices) noexcept {
   share_done_ = std::min(1.0, elapsed_s / planned_s_);
   if (stage_ != Stage::kRead) {
-    return Shake(readings, elapsed_s, devices) ? StepResult::kRunning : StepResult::kFailedCheck;
+    return Dither(readings, elapsed_s, devices) ? StepResult::kRunning : StepResult::kFailedCheck;
   }
   const double in_segment_s = elapsed_s - segment_start_s_;
   if (in_segment_s < kSensorSettle_s) return StepResult::kRunning;

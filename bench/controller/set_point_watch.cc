@@ -54,18 +54,18 @@ LoadWatch::LoadWatch(const schedules::SetPointTolerances& tolerances, double out
 void LoadWatch::Step(double output_torque_Nm, double input_speed_rad_per_s, const Readings& readings,
                      double period_s) noexcept {
   // Between two samples of the encoder the speed stays what it was.
-  if (encoder_time_ && readings.angles_time > *encoder_time_) {
-    const std::chrono::duration<double> apart = readings.angles_time - *encoder_time_;
+  if (encoder_time_ && readings.input_angle_time > *encoder_time_) {
+    const std::chrono::duration<double> apart = readings.input_angle_time - *encoder_time_;
     const double kept = std::exp(-apart.count() / kSpeedWindow_s);
     turned_rad_ = kept * turned_rad_ + readings.input_angle_rad - encoder_angle_rad_;
     turned_s_ = kept * turned_s_ + apart.count();
   }
-  if (!encoder_time_ || readings.angles_time > *encoder_time_) {
-    encoder_time_ = readings.angles_time;
+  if (!encoder_time_ || readings.input_angle_time > *encoder_time_) {
+    encoder_time_ = readings.input_angle_time;
     encoder_angle_rad_ = readings.input_angle_rad;
   }
   torque_.Step(output_torque_Nm, readings.output_torque_Nm, readings.torque_time, period_s);
-  speed_.Step(input_speed_rad_per_s, this->input_speed_rad_per_s(), readings.angles_time, period_s);
+  speed_.Step(input_speed_rad_per_s, this->input_speed_rad_per_s(), readings.input_angle_time, period_s);
   time_ = readings.time;
   if (torque_.is_away_for_too_long()) {
     failed_ = TorqueReason();

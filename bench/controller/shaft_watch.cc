@@ -32,11 +32,11 @@ StopReason ShaftWatch::Check(const Readings& readings, const DriveActual& drivin
       std::max({std::abs(driving.speed_rad_per_s), std::abs(readings.input_speed_rad_per_s),
                 fastest_rad_per_s_ * std::exp(Seconds(checked_ - readings.time) / kDecay_s)});
   checked_ = readings.time;
-  const nanoseconds between = std::chrono::abs(readings.angles_time - driving.time);
-  const bool is_new = readings.angles_time > encoder_time_ && driving.time > drive_time_;
+  const nanoseconds between = std::chrono::abs(readings.input_angle_time - driving.time);
+  const bool is_new = readings.input_angle_time > encoder_time_ && driving.time > drive_time_;
   if (!driving.tells_position || !is_new || between > kMostBetween) return {};
   const nanoseconds since = std::min(driving.time - drive_time_, kMostBetween);
-  encoder_time_ = readings.angles_time;
+  encoder_time_ = readings.input_angle_time;
   drive_time_ = driving.time;
   const double apart_now_rad = readings.input_angle_rad - driving.position_rad;
   if (!apart_at_start_rad_) apart_at_start_rad_ = apart_now_rad;

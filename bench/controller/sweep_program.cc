@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/units.h"
+#include "bench/controller/seconds.h"
 #include "bench/controller/set_point_watch.h"
 
 namespace strainwave::bench {
@@ -62,7 +63,44 @@ void SweepProgram::BeginDirection(double direction, double elapsed_s) noexcept {
   MoveTo(StepTarget(0) - direction_ * ratio_ * kApproachFromBehind_rad, elapsed_s);
 }
 
+void SweepProgram::FollowMove() noexcept {
+  while (const std::optional<AlignedSample> sample = alignment_.Next()) {
+    skew_.Add(*sample);
+    newest_ = *sample;
+  }
+}
+
+void SweepProgram::BeginAverage(double elapsed_s) noexcept {
+  stage_ = Stage::kAverage;
+  count_ = 0;
+  input_sum_rad_ = output_sum_rad_ = torque_sum_Nm_ = speed_sum_rad_per_s_ = 0.0;
+  input_start_rad_ = newest_.input_angle_rad;
+  output_start_rad_ = newest_.output_angle_rad;
+  stage_start_s_ = elapsed_s;
+  AddToAverage(newest_);
+}
+
+void SweepProgram::AddToAverage(const AlignedSample& sample) noexcept {
+  ++count_;
+  input_sum_rad_ += sample.input_angle_rad - input_start_rad_;
+  output_sum_rad_ += sample.output_angle_rad - output_start_rad_;
+  torque_sum_Nm_ += sample.output_torque_Nm;
+  speed_sum_rad_per_s_ += sample.input_speed_rad_per_s / ratio_;
+  newest_ = sample;
+}
+
+bool SweepProgram::LogAverage(const Readings& readings, double elapsed_s,
+                              std::chrono::nanoseconds now) noexcept {
+  const bool kept = log_.Append({elapsed_s - Seconds(now - newest_.time), direction_,
+                                 DegFromRad(input_start_rad_ + input_sum_rad_ / count_),
+                                 DegFromRad(output_start_rad_ + output_sum_rad_ / count_),
+                                 torque_sum_Nm_ / count_, readings.gear_temperature_degC});
+  if (kept) output_speeds_rad_per_s_.push_back(speed_sum_rad_per_s_ / count_);
+  return kept;
+}
+
 StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+  alignment_.Push(readings);
   const double in_stage_s = elapsed_s - stage_start_s_;
   switch (stage_) {
     case Stage::kBringUp: {
@@ -78,7 +116,7 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
     case Stage::kApproach:
     case Stage::kMove:
       devices.driving.CommandPosition(move_.PositionAt(in_stage_s) + drive_ahead_rad_);
-      skew_.Add(readings);
+      FollowMove();
       if (in_stage_s < move_.duration_s()) return StepResult::kRunning;
       if (stage_ == Stage::kApproach) {
         MoveTo(StepTarget(0), elapsed_s);
@@ -86,37 +124,22 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
       } else {
         stage_ = Stage::kSettle;
         stage_start_s_ = elapsed_s;
-        move_ended_ = devices.clock.Now();
       }
       return StepResult::kRunning;
     case Stage::kSettle:
-      skew_.Add(readings);
-      // What was read before the move ended says nothing of where it ended; the runner watches how old that
-      // is.
-      if (in_stage_s < parameters_.settle_s || readings.angles_time < move_ended_)
+      FollowMove();
+      // By the sample's own time: what was sampled before the shafts had settled says nothing of where they
+      // did. The runner watches how old it is.
+      if (in_stage_s - Seconds(devices.clock.Now() - newest_.time) < parameters_.settle_s)
         return StepResult::kRunning;
       failed_ = PositionAway(target_rad_, readings);
       if (failed_) return StepResult::kFailedCheck;
-      stage_ = Stage::kAverage;
-      count_ = 0;
-      input_sum_rad_ = output_sum_rad_ = torque_sum_Nm_ = speed_sum_rad_per_s_ = 0.0;
-      input_start_rad_ = readings.input_angle_rad;
-      output_start_rad_ = readings.output_angle_rad;
-      stage_start_s_ = elapsed_s;
+      BeginAverage(elapsed_s);
       [[fallthrough]];
     case Stage::kAverage: {
-      ++count_;
-      input_sum_rad_ += readings.input_angle_rad - input_start_rad_;
-      output_sum_rad_ += readings.output_angle_rad - output_start_rad_;
-      torque_sum_Nm_ += readings.output_torque_Nm;
-      speed_sum_rad_per_s_ += readings.input_speed_rad_per_s / ratio_;
+      while (const std::optional<AlignedSample> sample = alignment_.Next()) AddToAverage(*sample);
       if (elapsed_s - stage_start_s_ + 0.5 * period_s_ < parameters_.averaging_s) return StepResult::kRunning;
-      if (!log_.Append({elapsed_s, direction_, DegFromRad(input_start_rad_ + input_sum_rad_ / count_),
-                        DegFromRad(output_start_rad_ + output_sum_rad_ / count_), torque_sum_Nm_ / count_,
-                        readings.gear_temperature_degC})) {
-        return StepResult::kLogFull;
-      }
-      output_speeds_rad_per_s_.push_back(speed_sum_rad_per_s_ / count_);
+      if (!LogAverage(readings, elapsed_s, devices.clock.Now())) return StepResult::kLogFull;
       if (step_ == parameters_.steps) {
         if (!second_direction_) return StepResult::kDone;
         second_direction_ = false;

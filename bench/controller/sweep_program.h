@@ -5,6 +5,7 @@
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
+#include "bench/controller/sample_alignment.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
@@ -13,7 +14,9 @@ namespace strainwave::bench {
 /// angle, reading both encoders after each step, clockwise and then counter-clockwise. Before each direction
 /// the output comes from behind, so that the first reading has the same history as the others.
 /// `steps` moves give `steps` + 1 readings. While it moves, the time between the two encoders is measured
-/// (docs/effects.md E20), and taken out of the readings where they were not quite at rest.
+/// (docs/effects.md E20), and taken out of the readings where they were not quite at rest. A reading is a
+/// mean over samples of both encoders and of the torque at one moment each (`SampleAlignment`), and has the
+/// time of the last of them.
 class SweepProgram final : public PhaseProgram {
  public:
   SweepProgram(const schedules::TransmissionErrorSweep& parameters, double ratio, double period_s);
@@ -33,6 +36,10 @@ class SweepProgram final : public PhaseProgram {
   double StepTarget(int step) const noexcept;
   void TakeOut(double skew_s, daq::Record& record) const;
   void BeginDirection(double direction, double elapsed_s) noexcept;
+  void FollowMove() noexcept;
+  void BeginAverage(double elapsed_s) noexcept;
+  void AddToAverage(const AlignedSample& sample) noexcept;
+  bool LogAverage(const Readings& readings, double elapsed_s, std::chrono::nanoseconds now) noexcept;
 
   schedules::TransmissionErrorSweep parameters_;
   double ratio_;
@@ -46,7 +53,8 @@ class SweepProgram final : public PhaseProgram {
   int step_{};
   PointToPoint move_;
   double stage_start_s_{};
-  std::chrono::nanoseconds move_ended_{};
+  SampleAlignment alignment_;
+  AlignedSample newest_;  // of both encoders
   // Sums over the averaging time, relative to its first reading, so that no digits are lost.
   int count_{};
   double input_start_rad_{}, output_start_rad_{};

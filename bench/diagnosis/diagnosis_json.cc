@@ -79,16 +79,16 @@ Json CausesJson(const DiagnosisReport& report) {
   return causes;
 }
 
-Json CorrectionsJson(const DiagnosisReport& report) {
-  Json corrections = Json::array();
+Json NuisanceTermsJson(const DiagnosisReport& report) {
+  Json nuisance_terms = Json::array();
   for (const diagnosis::Finding& finding : report.result.nuisance_terms) {
-    corrections.push_back({{"name", report.input.study->causes()[finding.index].name},
-                           {"physical", false},
-                           {"parameters", ParametersJson(finding.parameters)},
-                           {"evidence", EvidenceJson(finding.evidence)},
-                           {"share_of_explainable_variance", Finite(finding.share_of_explainable)}});
+    nuisance_terms.push_back({{"name", report.input.study->causes()[finding.index].name},
+                              {"physical", false},
+                              {"parameters", ParametersJson(finding.parameters)},
+                              {"evidence", EvidenceJson(finding.evidence)},
+                              {"share_of_explainable_variance", Finite(finding.share_of_explainable)}});
   }
-  return corrections;
+  return nuisance_terms;
 }
 
 Json CandidatesJson(const DiagnosisReport& report) {
@@ -165,7 +165,7 @@ nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
             {"ci95", {Finite(result.gain.low), Finite(result.gain.high)}}}},
           {"unexplained", UnexplainedJson(report)},
           {"to_settle", MeasurementsToSettle(report)},
-          {"corrections", CorrectionsJson(report)},
+          {"corrections", NuisanceTermsJson(report)},
           {"candidates", CandidatesJson(report)},
           {"quantities", QuantitiesJson(report)},
           {"records", RecordsJson(report.input)},

@@ -43,9 +43,9 @@ void AddOnce(const std::string& entry, std::vector<std::string>& entries) {
   if (!entry.empty() && std::ranges::find(entries, entry) == entries.end()) entries.push_back(entry);
 }
 
-// The telling numbers of a correction; a window also by its ends.
-std::vector<std::string> SpokenNumbers(const diagnosis::Finding& correction) {
-  const std::vector<diagnosis::ParameterValue> parameters = TellingParameters(correction);
+// The telling numbers of a nuisance term; a window also by its ends.
+std::vector<std::string> SpokenNumbers(const diagnosis::Finding& nuisance_term) {
+  const std::vector<diagnosis::ParameterValue> parameters = TellingParameters(nuisance_term);
   std::vector<std::string> numbers;
   for (const diagnosis::ParameterValue& parameter : parameters) {
     numbers.push_back(SpokenParameter(parameter));
@@ -86,8 +86,8 @@ std::string ProbabilityText(double p) {
   return p >= 0.001 ? fmt::format("{:.3f}", p) : fmt::format("{:.0e}", p);
 }
 
-std::vector<diagnosis::ParameterValue> TellingParameters(const diagnosis::Finding& correction) {
-  std::vector<diagnosis::ParameterValue> telling = correction.parameters;
+std::vector<diagnosis::ParameterValue> TellingParameters(const diagnosis::Finding& nuisance_term) {
+  std::vector<diagnosis::ParameterValue> telling = nuisance_term.parameters;
   std::erase_if(telling,
                 [](const auto& parameter) { return parameter.name.starts_with(diagnosis::kCurvePart); });
   return telling;
@@ -112,9 +112,9 @@ std::string SpokenParameter(const diagnosis::ParameterValue& parameter) {
 
 std::string SignatureOf(const DiagnosisReport& report) {
   std::vector<std::string> parts;
-  for (const diagnosis::Finding& correction : report.result.nuisance_terms) {
-    const std::vector<std::string> numbers = SpokenNumbers(correction);
-    parts.push_back(fmt::format("{}{}{}", report.input.study->causes()[correction.index].name,
+  for (const diagnosis::Finding& nuisance_term : report.result.nuisance_terms) {
+    const std::vector<std::string> numbers = SpokenNumbers(nuisance_term);
+    parts.push_back(fmt::format("{}{}{}", report.input.study->causes()[nuisance_term.index].name,
                                 numbers.empty() ? "" : ": ", fmt::join(numbers, ", ")));
   }
   if (!report.result.residual.described.empty()) parts.push_back(report.result.residual.described);

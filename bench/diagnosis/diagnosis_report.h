@@ -24,7 +24,7 @@ struct DiagnosisReport {
 /// "effect_found", "no_effect" or "unnamed_structure".
 std::string VerdictText(analysis::diagnosis::Verdict verdict);
 
-/// What no cause explains, in words with numbers: the corrections that were needed, and what is left after
+/// What no cause explains, in words with numbers: the nuisance terms that were needed, and what is left after
 /// them. Empty where nothing stands out.
 std::string SignatureOf(const DiagnosisReport& report);
 
@@ -39,9 +39,9 @@ std::string CandidateName(const analysis::diagnosis::Study& study, std::size_t i
 /// "0.012", "3e-20", "<1e-99": a probability for people.
 std::string ProbabilityText(double p);
 
-/// The parameters of a correction but for a free curve's coefficients, which tell nobody anything.
+/// The parameters of a nuisance term but for a free curve's coefficients, which tell nobody anything.
 std::vector<analysis::diagnosis::ParameterValue> TellingParameters(
-    const analysis::diagnosis::Finding& correction);
+    const analysis::diagnosis::Finding& nuisance_term);
 
 /// "amplitude 0.213 arcmin", "order 7.00 per output turn": a parameter as it is read out.
 std::string SpokenParameter(const analysis::diagnosis::ParameterValue& parameter);

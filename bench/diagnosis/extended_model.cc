@@ -106,7 +106,7 @@ ExtendedModel ReadDiagnosisSection(YamlMap map) {
   map.MapList("records", Presence::kOptional);
   model.nominal = ReadParameters(map.MapList("nominal", Presence::kOptional));
   model.causes = ReadEffects(map.MapList("causes", Presence::kOptional), "cause");
-  model.corrections = ReadEffects(map.MapList("corrections", Presence::kOptional), "correction");
+  model.nuisance_terms = ReadEffects(map.MapList("corrections", Presence::kOptional), "correction");
   map.Finish();
   return model;
 }
@@ -138,7 +138,7 @@ ExtendedModel ExtendedModelOf(const StudyInput& input, const diagnosis::Diagnosi
   for (std::size_t i = 0; i < result.extended.causes.size(); ++i) {
     const CauseRule& rule = study.causes()[result.extended.causes[i]];
     ModelEffect effect{rule.name, WhereText(rule.where), result.extended.cause_parameters[i]};
-    (rule.named ? model.causes : model.corrections).push_back(std::move(effect));
+    (rule.named ? model.causes : model.nuisance_terms).push_back(std::move(effect));
   }
   return model;
 }
@@ -161,12 +161,12 @@ std::string ExtendedModelText(const ExtendedModel& model) {
   text += fmt::format("  nominal:{}\n", model.nominal.empty() ? " []" : "");
   AddParameters(model.nominal, "    ", text);
   AddEffects("causes", "cause", model.causes, text);
-  if (!model.corrections.empty()) {
+  if (!model.nuisance_terms.empty()) {
     text +=
         "  # No knowledge of physics: shapes that describe what was left, and hold for this unit on this\n"
         "  # bench as it was measured. `simulate --corrections` runs them, the bench does not.\n";
   }
-  AddEffects("corrections", "correction", model.corrections, text);
+  AddEffects("corrections", "correction", model.nuisance_terms, text);
   return text;
 }
 
@@ -185,12 +185,13 @@ ExtendedModel ReadExtendedModel(const std::filesystem::path& path) {
   return model;
 }
 
-std::vector<diagnosis::Study::NamedCause> NamedCausesOf(const ExtendedModel& model, bool with_corrections) {
+std::vector<diagnosis::Study::NamedCause> NamedCausesOf(const ExtendedModel& model,
+                                                        bool with_nuisance_terms) {
   std::vector<diagnosis::Study::NamedCause> causes;
   for (const ModelEffect& cause : model.causes) causes.push_back({cause.name, cause.parameters});
-  if (!with_corrections) return causes;
-  for (const ModelEffect& correction : model.corrections) {
-    causes.push_back({correction.name, correction.parameters});
+  if (!with_nuisance_terms) return causes;
+  for (const ModelEffect& nuisance_term : model.nuisance_terms) {
+    causes.push_back({nuisance_term.name, nuisance_term.parameters});
   }
   return causes;
 }

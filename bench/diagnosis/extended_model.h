@@ -12,7 +12,7 @@
 
 namespace strainwave::bench {
 
-/// One cause, or correction, of a model, with the parameters that were fitted.
+/// One cause, or nuisance term, of a model, with the parameters that were fitted.
 struct ModelEffect {
   std::string name;
   std::string where;  // bench, unit or undecided
@@ -29,7 +29,7 @@ struct ExtendedModel {
   double noise_floor{};  // in that unit
   std::vector<analysis::diagnosis::ParameterValue> nominal;
   std::vector<ModelEffect> causes;
-  std::vector<ModelEffect> corrections;  // shapes without a physical meaning
+  std::vector<ModelEffect> nuisance_terms;  // functions without a physical meaning
   PlantMapping plant;
 };
 
@@ -52,9 +52,9 @@ std::string ExtendedModelText(const ExtendedModel& model);
 ///   simulated bench runs, are not read, nor the identities of the records.
 ExtendedModel ReadExtendedModel(const std::filesystem::path& path);
 
-/// Causes by name and parameters, as a study takes them; with the corrections where they are wanted.
+/// Causes by name and parameters, as a study takes them; with the nuisance terms where they are wanted.
 std::vector<analysis::diagnosis::Study::NamedCause> NamedCausesOf(const ExtendedModel& model,
-                                                                  bool with_corrections);
+                                                                  bool with_nuisance_terms);
 
 /// Indices of the model's causes among those of a study.
 /// @throws BenchError naming `file` and a cause that these records cannot have.

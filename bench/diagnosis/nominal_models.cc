@@ -125,7 +125,7 @@ Record MultiSine(const ExcitationColumns& columns) {
   return record;
 }
 
-Record Shaking() {
+Record Vibrating() {
   constexpr double kRate_hz = 12000.0;
   constexpr double kSpeed_rpm = 2400.0;
   Record record{.kind = daq::RecordKind::kVibration, .metadata = {}, .columns = {}, .source = {}};
@@ -185,7 +185,7 @@ Record UsualExcitation(StudyKind kind, const ExcitationColumns& columns) {
   if (kind == StudyKind::kTransmissionError) return Sweep(columns);
   if (kind == StudyKind::kHysteresis) return Loops(columns);
   if (kind == StudyKind::kMotion) return MultiSine(columns);
-  if (kind == StudyKind::kVibration) return Shaking();
+  if (kind == StudyKind::kVibration) return Vibrating();
   throw std::invalid_argument(
       fmt::format("there is no usual measurement of kind '{}' (expected {})", NameOf(kind), kDiagnosedKinds));
 }

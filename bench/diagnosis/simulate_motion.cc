@@ -103,12 +103,12 @@ double CauseTorque(const diagnosis::Study::NamedCause& cause, const Row& row) {
   return Number(numbers, "amplitude") * std::cos(order * row.position - RadFromDeg(Number(numbers, "phase")));
 }
 
-double Between(std::span<const double> place, const Eigen::VectorXd& values, double at) {
-  const auto next = std::upper_bound(place.begin(), place.end(), at);
-  const auto last = static_cast<Eigen::Index>(place.size()) - 1;
-  const auto i = std::clamp<Eigen::Index>(next - place.begin(), 1, last);
-  const double low = place[static_cast<std::size_t>(i - 1)];
-  const double high = place[static_cast<std::size_t>(i)];
+double Between(std::span<const double> position, const Eigen::VectorXd& values, double at) {
+  const auto next = std::upper_bound(position.begin(), position.end(), at);
+  const auto last = static_cast<Eigen::Index>(position.size()) - 1;
+  const auto i = std::clamp<Eigen::Index>(next - position.begin(), 1, last);
+  const double low = position[static_cast<std::size_t>(i - 1)];
+  const double high = position[static_cast<std::size_t>(i)];
   const double share = high > low ? std::clamp((at - low) / (high - low), 0.0, 1.0) : 0.0;
   return values(i - 1) + share * (values(i) - values(i - 1));
 }

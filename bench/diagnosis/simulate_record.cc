@@ -111,7 +111,7 @@ void SetVibration(Record& record, const diagnosis::Study& study, const std::vect
 
 }  // namespace
 
-RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections) {
+RunnableModel ReadRunnableModel(const std::string& name, bool with_nuisance_terms) {
   if (const std::optional<StudyKind> kind = StudyKindOf(daq::RecordKind::Named(name)))
     return {*kind, NominalParameters(*kind), {}, NominalNoise(*kind)};
   if (!std::filesystem::exists(name)) {
@@ -127,7 +127,7 @@ RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections) 
                      fmt::format("{}: error: the model of a campaign makes no record (expected one of {})",
                                  name, kDiagnosedKinds));
   }
-  return {model.kind, model.nominal, NamedCausesOf(model, with_corrections), model.noise_floor};
+  return {model.kind, model.nominal, NamedCausesOf(model, with_nuisance_terms), model.noise_floor};
 }
 
 Record ExcitationFor(const RunnableModel& model) {

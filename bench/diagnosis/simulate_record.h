@@ -21,7 +21,7 @@ struct RunnableModel {
 
 /// @param name  of a kind, or the path of an `extended_model.yaml`.
 /// @throws ModelFileError; BenchError for a name that is neither.
-RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections);
+RunnableModel ReadRunnableModel(const std::string& name, bool with_nuisance_terms);
 
 /// A record to run the model on where none is given: with the columns that its causes need.
 daq::Record ExcitationFor(const RunnableModel& model);

@@ -17,19 +17,19 @@ namespace {
 
 namespace health = analysis::health;
 
-// Places of the model's inputs among all features of a record.
-std::vector<Eigen::Index> PlacesOf(const HealthModel& model,
-                                   const analysis::features::PacketFeatures& features) {
+// Columns of the model's inputs among all features of a record.
+std::vector<Eigen::Index> ColumnsOf(const HealthModel& model,
+                                    const analysis::features::PacketFeatures& features) {
   const std::vector<std::string> names = features.Names(kMotorChannels);
-  std::vector<Eigen::Index> places;
+  std::vector<Eigen::Index> columns;
   for (const std::string& input : model.predictor.recipe.inputs) {
     const auto found = std::ranges::find(names, input);
     if (found == names.end())
       throw BenchError(ExitCode::kWrongInput,
                        fmt::format("error: the model's input '{}' is no feature of its recipe", input));
-    places.push_back(found - names.begin());
+    columns.push_back(found - names.begin());
   }
-  return places;
+  return columns;
 }
 
 double Quantile(std::vector<double>& values, double share) {
@@ -48,26 +48,26 @@ double Normal(std::mt19937_64& engine) {
 // Draws of the health within its interval, and of the surface there.
 health::Bounded SystemOf(const SystemModel& system, const std::vector<health::Bounded>& of_components,
                          double quantile, health::IntervalOf interval) {
-  // Each draw costs the square of the number of places that were measured.
-  const Eigen::Index draws_in_all = system.surface.data().places.rows() > 100 ? 200 : 2000;
+  // Each draw costs the square of the number of points that were measured.
+  const Eigen::Index draws_in_all = system.surface.data().points.rows() > 100 ? 200 : 2000;
   const auto n = static_cast<Eigen::Index>(of_components.size());
   std::mt19937_64 engine(1);
-  Eigen::MatrixXd places(draws_in_all + 1, n);
+  Eigen::MatrixXd points(draws_in_all + 1, n);
   for (Eigen::Index i = 0; i <= draws_in_all; ++i) {
     for (Eigen::Index c = 0; c < n; ++c) {
       const health::Bounded& one = of_components[static_cast<std::size_t>(c)];
       const double deviation = 0.5 * (one.high - one.low) / quantile;
-      places(i, c) = std::clamp(one.value + (i == 0 ? 0.0 : deviation * Normal(engine)), 0.0, 1.0);
+      points(i, c) = std::clamp(one.value + (i == 0 ? 0.0 : deviation * Normal(engine)), 0.0, 1.0);
     }
   }
   const std::vector<health::SystemAt> at = [&] {
-    // One place at a time: the joint covariance of so many is not needed.
+    // One point at a time: the joint covariance of so many is not needed.
     std::vector<health::SystemAt> all;
     const analysis::statistics::GaussianProcess& surface = system.surface;
     const double noise =
         interval == health::IntervalOf::kMeasurement ? surface.parameters().noise_variance : 0.0;
     for (Eigen::Index i = 0; i <= draws_in_all; ++i) {
-      const analysis::statistics::Posterior one = surface.At(places.row(i));
+      const analysis::statistics::Posterior one = surface.At(points.row(i));
       const double value = system.scale.Index(one.mean(0));
       const double deviation =
           std::abs(system.scale.factor()) * std::sqrt(std::max(0.0, one.covariance(0, 0)) + noise);
@@ -88,9 +88,9 @@ health::Bounded SystemOf(const SystemModel& system, const std::vector<health::Bo
 
 bool NearFailedCondition(const HealthModel& model, const Eigen::VectorXd& state) {
   if (!model.system || model.failed.rows() == 0) return false;
-  const Eigen::MatrixXd& measured = model.system->surface.data().places;
-  const auto nearest = [&state](const Eigen::MatrixXd& places) {
-    return (places.rowwise() - state.transpose()).rowwise().norm().minCoeff();
+  const Eigen::MatrixXd& measured = model.system->surface.data().points;
+  const auto nearest = [&state](const Eigen::MatrixXd& points) {
+    return (points.rowwise() - state.transpose()).rowwise().norm().minCoeff();
   };
   return nearest(model.failed) < nearest(measured);
 }
@@ -99,16 +99,16 @@ HealthAssessment AssessHealth(const HealthModel& model, const RecordReader& read
                               const std::filesystem::path& file, health::IntervalOf interval) {
   const FeatureRecipe& recipe = model.predictor.recipe;
   analysis::features::PacketFeatures features(recipe.features.packets);
-  const std::vector<Eigen::Index> places = PlacesOf(model, features);
+  const std::vector<Eigen::Index> columns = ColumnsOf(model, features);
   HealthAssessment result;
   result.file = file.string();
   std::vector<Eigen::MatrixXd> parts;
   for (MotorFeatures& record : FeaturesOfMotorFile(reader, file, features, recipe.sample_rate_hz)) {
-    parts.push_back(record.values(Eigen::all, places));
+    parts.push_back(record.values(Eigen::all, columns));
     result.cycles += record.values.rows();
     result.warnings.insert(result.warnings.end(), record.warnings.begin(), record.warnings.end());
   }
-  Eigen::MatrixXd inputs(result.cycles, static_cast<Eigen::Index>(places.size()));
+  Eigen::MatrixXd inputs(result.cycles, static_cast<Eigen::Index>(columns.size()));
   Eigen::Index at = 0;
   for (const Eigen::MatrixXd& part : parts) {
     inputs.middleRows(at, part.rows()) = part;

@@ -62,14 +62,14 @@ void RequireTellable(const Labels& labels, const std::vector<std::string>& compo
 std::vector<int> NumberConditions(const Eigen::MatrixXd& values, Eigen::MatrixXd& conditions) {
   std::map<std::vector<double>, int> numbers;
   const auto key = [&values](Eigen::Index row) {
-    const Eigen::VectorXd place = values.row(row);
-    return std::vector<double>(place.begin(), place.end());
+    const Eigen::VectorXd point = values.row(row);
+    return std::vector<double>(point.begin(), point.end());
   };
   for (Eigen::Index i = 0; i < values.rows(); ++i) numbers[key(i)] = 0;
   conditions.resize(static_cast<Eigen::Index>(numbers.size()), values.cols());
   int next = 0;
-  for (auto& [place, number] : numbers) {
-    conditions.row(next) = Eigen::Map<const Eigen::RowVectorXd>(place.data(), values.cols());
+  for (auto& [point, number] : numbers) {
+    conditions.row(next) = Eigen::Map<const Eigen::RowVectorXd>(point.data(), values.cols());
     number = next++;
   }
   std::vector<int> of_row;
@@ -122,7 +122,7 @@ Eigen::MatrixXd FailedConditions(const std::filesystem::path& folder,
       for (const daq::Cell& cell : cells) columns.push_back(cell.text);
       continue;
     }
-    std::vector<double> place;
+    std::vector<double> point;
     for (const std::string& component : components) {
       const auto found = std::ranges::find(columns, kHealthPrefix + component);
       const auto at = static_cast<std::size_t>(found - columns.begin());
@@ -130,15 +130,15 @@ Eigen::MatrixXd FailedConditions(const std::filesystem::path& folder,
       if (!value || !(*value >= 0.0 && *value <= 1.0))
         Refuse(fmt::format("{}:{}", path.string(), number),
                fmt::format("there is no {}{} in this row", kHealthPrefix, component), "a number from 0 to 1");
-      place.push_back(*value);
+      point.push_back(*value);
     }
-    rows.insert(place);
+    rows.insert(point);
   }
   Eigen::MatrixXd failed(static_cast<Eigen::Index>(rows.size()),
                          static_cast<Eigen::Index>(components.size()));
   Eigen::Index at = 0;
-  for (const std::vector<double>& place : rows)
-    failed.row(at++) = Eigen::Map<const Eigen::RowVectorXd>(place.data(), failed.cols());
+  for (const std::vector<double>& point : rows)
+    failed.row(at++) = Eigen::Map<const Eigen::RowVectorXd>(point.data(), failed.cols());
   return failed;
 }
 

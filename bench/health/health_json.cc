@@ -155,7 +155,7 @@ Json JsonOf(const SystemModel& system, const std::vector<std::string>& component
   const statistics::ReplicatedData& data = system.surface.data();
   Json json = SurfaceOf(system);
   json["components"] = components;
-  json["places"] = RowsOf(data.places);
+  json["places"] = RowsOf(data.points);
   json["means"] = ListOf(data.means);
   json["counts"] = ListOf(data.counts);
   json["within"] = data.within;
@@ -177,16 +177,16 @@ SystemModel SystemFrom(const Json& json, std::size_t components) {
   data.means = vector(json.at("means"));
   data.counts = vector(json.at("counts"));
   data.within = json.at("within").get<double>();
-  const Json& places = json.at("places");
-  if (places.size() != static_cast<std::size_t>(data.means.size()) ||
-      data.means.size() != data.counts.size() || places.empty())
+  const Json& points = json.at("places");
+  if (points.size() != static_cast<std::size_t>(data.means.size()) ||
+      data.means.size() != data.counts.size() || points.empty())
     throw std::invalid_argument("places, means and counts of the surface are not of one length");
-  data.places.resize(static_cast<Eigen::Index>(places.size()), static_cast<Eigen::Index>(components));
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Eigen::VectorXd place = vector(places[i]);
-    if (place.size() != data.places.cols())
+  data.points.resize(static_cast<Eigen::Index>(points.size()), static_cast<Eigen::Index>(components));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::VectorXd point = vector(points[i]);
+    if (point.size() != data.points.cols())
       throw std::invalid_argument("a place of the surface has other components");
-    data.places.row(static_cast<Eigen::Index>(i)) = place;
+    data.points.row(static_cast<Eigen::Index>(i)) = point;
   }
   const statistics::GaussianProcessParameters parameters{json.at("signal_variance").get<double>(),
                                                          vector(json.at("length")),

@@ -187,17 +187,17 @@ std::filesystem::path DrawSurface(const HealthData& data, const SystemModel& sys
     panels +=
         fmt::format("set xlabel {}\nset title ''\n", Quoted(data.components[static_cast<std::size_t>(c)]));
     for (int others = 0; others < 2; ++others) {
-      Eigen::MatrixXd places = Eigen::MatrixXd::Constant(kPoints, n, others == 0 ? 0.0 : 0.67);
+      Eigen::MatrixXd points = Eigen::MatrixXd::Constant(kPoints, n, others == 0 ? 0.0 : 0.67);
       std::vector<double> at(kPoints);
       for (int i = 0; i < kPoints; ++i) {
         at[static_cast<std::size_t>(i)] = i / (kPoints - 1.0);
-        places(i, c) = at[static_cast<std::size_t>(i)];
+        points(i, c) = at[static_cast<std::size_t>(i)];
       }
       std::vector<double> value;
       std::vector<double> low;
       std::vector<double> high;
       for (const health::SystemAt& one :
-           health::SystemsAt(system.surface, system.scale, places, health::IntervalOf::kMeasurement)) {
+           health::SystemsAt(system.surface, system.scale, points, health::IntervalOf::kMeasurement)) {
         value.push_back(one.index.value);
         low.push_back(one.index.low);
         high.push_back(one.index.high);

@@ -31,10 +31,10 @@ std::vector<SystemValue> UnitMeans(const std::vector<SystemValue>& values) {
   return means;
 }
 
-Eigen::MatrixXd PlacesOf(const std::vector<SystemValue>& values) {
-  Eigen::MatrixXd places(static_cast<Eigen::Index>(values.size()), values.front().health.size());
-  for (std::size_t i = 0; i < values.size(); ++i) places.row(static_cast<Eigen::Index>(i)) = values[i].health;
-  return places;
+Eigen::MatrixXd PointsOf(const std::vector<SystemValue>& values) {
+  Eigen::MatrixXd points(static_cast<Eigen::Index>(values.size()), values.front().health.size());
+  for (std::size_t i = 0; i < values.size(); ++i) points.row(static_cast<Eigen::Index>(i)) = values[i].health;
+  return points;
 }
 
 std::vector<double> NumbersOf(const std::vector<SystemValue>& values) {
@@ -47,7 +47,7 @@ std::optional<statistics::VarianceTable> TableOf(const std::vector<SystemValue>&
                                                  const std::vector<std::string>& components,
                                                  const std::string& of, std::vector<std::string>& notes) {
   try {
-    return statistics::AnalysisOfVariance(NumbersOf(values), analysis::health::LevelsOf(PlacesOf(values)),
+    return statistics::AnalysisOfVariance(NumbersOf(values), analysis::health::LevelsOf(PointsOf(values)),
                                           components);
   } catch (const std::invalid_argument& error) {
     notes.push_back(fmt::format("no analysis of variance of {}: {}", of, error.what()));
@@ -66,14 +66,14 @@ std::optional<SystemModel> FitSystem(const HealthData& data, const SystemSetting
   const std::vector<SystemValue> values = settings.unit_means ? UnitMeans(data.system) : data.system;
   const std::vector<double> numbers = NumbersOf(values);
   const statistics::ReplicatedData replicated = statistics::Replicated(
-      PlacesOf(values),
+      PointsOf(values),
       Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size())));
-  const auto distinct = replicated.places.rows();
-  constexpr Eigen::Index kMostPlaces = 1500;
-  if (distinct > kMostPlaces)
+  const auto distinct = replicated.points.rows();
+  constexpr Eigen::Index kMostPoints = 1500;
+  if (distinct > kMostPoints)
     Refuse(data.folder / "labels.csv",
            fmt::format("system_rms was measured at {} states of health", distinct),
-           fmt::format("{} at most", kMostPlaces));
+           fmt::format("{} at most", kMostPoints));
   try {
     const auto fit = [&](bool one_length) {
       return statistics::FitGaussianProcess(
@@ -99,10 +99,10 @@ std::optional<SystemModel> FitSystem(const HealthData& data, const SystemSetting
     model.healthy_is = "the mean of what was measured with all components as new";
     std::optional<double> healthy;
     for (Eigen::Index i = 0; i < distinct; ++i) {
-      if (replicated.places.row(i).isZero()) healthy = replicated.means(i);
+      if (replicated.points.row(i).isZero()) healthy = replicated.means(i);
     }
     if (!healthy) {
-      healthy = model.surface.At(Eigen::MatrixXd::Zero(1, replicated.places.cols())).mean(0);
+      healthy = model.surface.At(Eigen::MatrixXd::Zero(1, replicated.points.cols())).mean(0);
       model.healthy_is = "the surface with all components as new, which was not measured";
     }
     model.scale.healthy = *healthy;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -10,12 +11,17 @@
 
 namespace strainwave::bench {
 
-/// The slow channels of the bench, one value each a control period. Angles are those of the two measuring
-/// encoders: at the motor shaft and at the reducer's output.
+/// The slow channels of the bench, one value each a control period: the newest of each, whose moments differ.
+/// What puts two beside each other while the shafts turn takes both from `SampleAlignment`. Angles are those
+/// of the two measuring encoders: at the motor shaft and at the reducer's output.
 struct Readings {
   std::chrono::nanoseconds time{};
-  std::chrono::nanoseconds angles_time{};  // when the older of the two angles was sampled
-  std::chrono::nanoseconds torque_time{};  // when the output torque was sampled
+  // When each was sampled: they come from devices of their own, of which one may be late.
+  std::chrono::nanoseconds input_angle_time{};
+  std::chrono::nanoseconds output_angle_time{};
+  std::chrono::nanoseconds input_speed_time{};
+  std::chrono::nanoseconds torque_time{};  // of the output
+  std::chrono::nanoseconds motor_torque_time{};
   double input_angle_rad{};
   double output_angle_rad{};
   double input_speed_rad_per_s{};
@@ -27,6 +33,14 @@ struct Readings {
   /// Bit n set: channel n of `Channel` gave no fresh, plausible value this period.
   unsigned bad_channels{};
   bool quick_stop_pressed{};  // the operator's key, where the bench has one
+
+  /// Of the older of the two angles.
+  std::chrono::nanoseconds angles_time() const noexcept {
+    return std::min(input_angle_time, output_angle_time);
+  }
+  void SetSampleTimes(std::chrono::nanoseconds sampled) noexcept {
+    input_angle_time = output_angle_time = input_speed_time = torque_time = motor_torque_time = sampled;
+  }
 };
 
 /// Number and order of the slow channels, as in `Readings::bad_channels`.

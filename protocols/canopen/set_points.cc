@@ -23,7 +23,7 @@ void SetPoints::Hold(const DriveInputs& inputs, DriveOutputs& outputs) noexcept 
   homing_asked_ = homing_runs_ = false;
   led_speed_rad_per_s_ = 0.0;
   led_position_counts_ = static_cast<double>(inputs.position);
-  hand_shake_ = HandShake::kIdle;
+  handshake_ = Handshake::kIdle;
   outputs.target_position = inputs.position;
   outputs.target_velocity = 0;
   outputs.target_torque = 0;
@@ -91,26 +91,26 @@ void SetPoints::Step(OperationMode mode, std::uint16_t statusword, std::chrono::
 // again once it has taken its acknowledge back. It rises one SYNC after the new target went out, as a
 // controlword that acts at once would overtake a target that waits for SYNC, and start a move to the old one.
 void SetPoints::StepProfilePosition(const StatusBits& bits, DriveOutputs& outputs) noexcept {
-  switch (hand_shake_) {
-    case HandShake::kIdle:
+  switch (handshake_) {
+    case Handshake::kIdle:
       if (position_counts_ && !bits.set_point_acknowledged) {
         outputs.target_position = *position_counts_;
         position_counts_.reset();
-        hand_shake_ = HandShake::kPlaced;
+        handshake_ = Handshake::kPlaced;
       }
       break;
-    case HandShake::kPlaced:
-      hand_shake_ = HandShake::kRaised;
+    case Handshake::kPlaced:
+      handshake_ = Handshake::kRaised;
       break;
-    case HandShake::kRaised:
-      if (bits.set_point_acknowledged) hand_shake_ = HandShake::kLowered;
+    case Handshake::kRaised:
+      if (bits.set_point_acknowledged) handshake_ = Handshake::kLowered;
       break;
-    case HandShake::kLowered:
-      if (!bits.set_point_acknowledged) hand_shake_ = HandShake::kIdle;
+    case Handshake::kLowered:
+      if (!bits.set_point_acknowledged) handshake_ = Handshake::kIdle;
       break;
   }
   outputs.controlword |= kControlwordChangeAtOnce;
-  if (hand_shake_ == HandShake::kRaised) outputs.controlword |= kControlwordNewSetPoint;
+  if (handshake_ == Handshake::kRaised) outputs.controlword |= kControlwordNewSetPoint;
 }
 
 void SetPoints::StepCyclicPosition(double elapsed_s, DriveOutputs& outputs) noexcept {

@@ -33,7 +33,7 @@ class SetPoints {
             DriveOutputs& outputs) noexcept;
 
  private:
-  enum class HandShake : std::uint8_t { kIdle, kPlaced, kRaised, kLowered };
+  enum class Handshake : std::uint8_t { kIdle, kPlaced, kRaised, kLowered };
 
   void StepProfilePosition(const StatusBits& bits, DriveOutputs& outputs) noexcept;
   void StepCyclicPosition(double elapsed_s, DriveOutputs& outputs) noexcept;
@@ -50,7 +50,7 @@ class SetPoints {
 
   double led_speed_rad_per_s_{};
   double led_position_counts_{};
-  HandShake hand_shake_{HandShake::kIdle};
+  Handshake handshake_{Handshake::kIdle};
 };
 
 }  // namespace strainwave::protocols::canopen

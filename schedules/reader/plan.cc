@@ -27,7 +27,7 @@ constexpr double kSweepApproach_rad =
 constexpr double kBlankLogRate_hz = 50.0;
 constexpr double kBlankStep_s = 0.35;
 constexpr double kCheckSettle_s = 1.0;
-constexpr double kZeroShake_s = 18.0;  // before a zero is read
+constexpr double kZeroDither_s = 18.0;  // before a zero is read
 
 std::uint64_t Whole(double value) {
   constexpr double kMost = 1e18;
@@ -108,8 +108,8 @@ class Planner {
   void operator()(const SensorCheck& check) const {
     // A shunt is read without and with it.
     const double segments = check.kind == SensorCheck::Kind::kShunt ? 2.0 : 1.0;
-    const double shake_s = check.kind == SensorCheck::Kind::kZero ? kZeroShake_s : 0.0;
-    plan_.time.other_s = segments * (check.duration_s + kCheckSettle_s) + shake_s;
+    const double dither_s = check.kind == SensorCheck::Kind::kZero ? kZeroDither_s : 0.0;
+    plan_.time.other_s = segments * (check.duration_s + kCheckSettle_s) + dither_s;
     AddStream("", segments * check.duration_s / assumptions_.control_period_s, kCheckRow_bytes);
   }
 

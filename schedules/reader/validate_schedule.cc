@@ -195,7 +195,7 @@ class PhaseCheck {
       // A torque that is off by more makes another stiffness of the gear.
       compare_.MustBeBelow({At("allowed"), check.allowed}, {"specimen.t1", schedule_.specimen.t1_Nm});
     }
-    // Before a zero is read, the load servo shakes the gear by t2.
+    // Before a zero is read, the load servo dithers the gear by t2.
     if (check.kind == SensorCheck::Kind::kZero) {
       compare_.MustBeBelow({"specimen.t2", schedule_.specimen.t2_Nm},
                            {"limits.output_torque", schedule_.limits.output_torque_Nm});

@@ -38,8 +38,8 @@ GaussianProcessParameters ParametersOf(const Json& log_theta) {
   return {theta(0), theta.segment(1, theta.size() - 2), theta(theta.size() - 1) + kJitter};
 }
 
-void ExpectPrediction(const GaussianProcess& process, const Json& golden, const Json& places) {
-  const Posterior posterior = process.At(RowsOf(places));
+void ExpectPrediction(const GaussianProcess& process, const Json& golden, const Json& points) {
+  const Posterior posterior = process.At(RowsOf(points));
   const Eigen::VectorXd mean = VectorOf(golden.at("mean"));
   const Eigen::VectorXd deviation = VectorOf(golden.at("std"));
   const double noise = process.parameters().noise_variance - kJitter;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "analysis/units.h"
+#include "tests/analysis/chance.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::harmonic_regression_test {
@@ -64,10 +65,8 @@ TEST(FitHarmonics, ItsErrorsCoverTheTruth) {
         std::abs(harmonic.amplitude.value - 1.0) < 1.96 * harmonic.amplitude.standard_error ? 1 : 0;
     phase_held += std::abs(harmonic.phase_rad.value - 1.0) < 1.96 * harmonic.phase_rad.standard_error ? 1 : 0;
   }
-  EXPECT_GE(amplitude_held, 0.90 * kTrials);
-  EXPECT_LE(amplitude_held, 0.99 * kTrials);
-  EXPECT_GE(phase_held, 0.90 * kTrials);
-  EXPECT_LE(phase_held, 0.99 * kTrials);
+  ExpectCoverageOf95(amplitude_held, kTrials);
+  ExpectCoverageOf95(phase_held, kTrials);
 }
 
 TEST(FitHarmonics, RefusesBadArguments) {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "analysis/noise_level.h"
+#include "tests/analysis/chance.h"
 
 namespace strainwave::analysis::loop_branches_test {
 namespace {
@@ -64,8 +65,10 @@ TEST(TwistAtTorque, TakesTheSlopeOfAStaircaseFromItsNextSteps) {
   }
   const Branch branch{0, torque_Nm.size() - 1, true};
   const auto twist = TwistAtTorque(torque_Nm, twist_rad, branch, 0.0, 0.5, 0.0);
-  EXPECT_NEAR(twist->value, 2.0, 1e-3);
-  EXPECT_LT(twist->standard_error, 1e-3);
+  // Of five samples three are above and two below by 1e-3: so is each hold's mean, by a fifth of it.
+  EXPECT_NEAR(twist->value, 2.0 + 1e-3 / 5.0, 1e-6);
+  // A line through 15 of them, with 13 degrees of freedom, at their middle: 0.96 (1e-3)² · 15 / 13 / 15.
+  EXPECT_NEAR(twist->standard_error, 1e-3 * std::sqrt(0.96 / 13.0), 1e-6);
   // One hold alone says nothing of other torques.
   EXPECT_FALSE(TwistAtTorque(torque_Nm, twist_rad, Branch{15, 19, true}, 0.0, 0.5, 1.0));
 }
@@ -92,7 +95,10 @@ TEST(EstimateNoise, SeesTheNoiseOnARampAndNotTheRamp) {
   for (int i = 0; i < 20000; ++i) {
     signal.push_back(3.0 * std::abs(i - 10000) + normal(engine));
   }
-  EXPECT_NEAR(EstimateNoise(signal).standard_deviation, 0.5, 0.015);
+  // A median of |x| is 1.65 times as uncertain as the root of the mean square, and second differences have
+  // 0.4 independent values a sample.
+  EXPECT_NEAR(EstimateNoise(signal).standard_deviation, 0.5,
+              kByChance * 1.65 * SpreadOfDeviation(0.4 * 20000.0) * 0.5);
 }
 
 TEST(EstimateNoise, SeesTheStepOfAQuantisedSignal) {
@@ -105,7 +111,8 @@ TEST(EstimateNoise, SeesTheStepOfAQuantisedSignal) {
 
 TEST(FindSpikes, FindsThemAndNothingElse) {
   std::mt19937 engine(1);
-  std::normal_distribution<double> normal(0.0, 0.1);
+  constexpr double kNoise = 0.1;
+  std::normal_distribution<double> normal(0.0, kNoise);
   std::vector<double> signal;
   for (int i = 0; i < 2000; ++i) {
     signal.push_back(0.01 * std::abs(i - 1000) + normal(engine));
@@ -117,8 +124,8 @@ TEST(FindSpikes, FindsThemAndNothingElse) {
   const std::vector<std::size_t> spikes = FindSpikes(signal, EstimateNoise(signal));
   EXPECT_EQ(spikes, (std::vector<std::size_t>{300, 301, 1000, 1999}));
   InterpolateOver(signal, spikes);
-  EXPECT_NEAR(signal[300], 7.0, 0.5);
-  EXPECT_NEAR(signal[1000], 0.0, 0.5);
+  EXPECT_NEAR(signal[300], 7.0, kByChance * kNoise) << "by a line between two neighbours, with their noise";
+  EXPECT_NEAR(signal[1000], 0.01, kByChance * kNoise / std::sqrt(2.0)) << "the mean of both, beside the tip";
   EXPECT_EQ(signal[1999], signal[1998]);
 }
 

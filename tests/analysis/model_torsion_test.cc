@@ -61,6 +61,7 @@ TEST(TorsionSpring, HasTheSlopesOfItsSegments) {
 }
 
 TEST(Hysteresis, IsOneArcminWideAtZeroTorque) {
+  // docs/effects.md E6: "about 1′".
   const TwistLaw law;
   const Crossings crossings = WalkLoop(CurveOf(law), 34.0);
   const double width = crossings.falling_rad - crossings.rising_rad;
@@ -149,6 +150,7 @@ TEST(Creep, LowersTheSlopeOfARampByLessThanATenthOfAPercent) {
 }
 
 TEST(KinematicError, IsAboutOneArcminPeakToPeak) {
+  // docs/effects.md E1: 1′ at most, and the tooth engagement of E2 with tenths of it beside.
   const KinematicSeries series = CompileKinematicError({}, 80.0);
   double lowest = 0.0;
   double highest = 0.0;

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/analysis/chance.h"
+
 namespace strainwave::analysis::model::model_wafer_axis_test {
 namespace {
 
@@ -27,8 +29,11 @@ TEST(WaferAxis, GoesThereAndBack) {
   const double all_rad =
       std::accumulate(cycle.velocity_rad_per_s.begin(), cycle.velocity_rad_per_s.end(), 0.0) /
       kWaferMotorRate_hz;
-  EXPECT_NEAR(half_rad, 60.0, 0.3);
-  EXPECT_NEAR(all_rad, 0.0, 0.3);
+  // Noise of each sample, added up.
+  const double error_rad =
+      kByChance * WaferNoise{}.velocity_rad_per_s * std::sqrt(2400.0) / kWaferMotorRate_hz;
+  EXPECT_NEAR(half_rad, 60.0, error_rad);
+  EXPECT_NEAR(all_rad, 0.0, error_rad);
   EXPECT_EQ(std::ranges::count(cycle.state, 1.0), 998);
   EXPECT_FALSE(cycle.failed);
 }
@@ -38,10 +43,11 @@ TEST(WaferAxis, RestsBetweenMoves) {
   const WaferCycle cycle = Cycle(0.0, 0);
   double squares = 0.0;
   for (std::size_t i = 0; i < 350; ++i) squares += cycle.current_A[i] * cycle.current_A[i] / 350.0;
-  EXPECT_NEAR(std::sqrt(squares), WaferNoise{}.current_A, 0.002);
+  EXPECT_NEAR(std::sqrt(squares), WaferNoise{}.current_A,
+              kByChance * SpreadOfDeviation(350.0) * WaferNoise{}.current_A);
 }
 
-TEST(WaferAxis, WornTeethAndBeltShakeTheArm) {
+TEST(WaferAxis, WornTeethAndBeltVibrateTheArm) {
   const double healthy = Cycle(0.0, 0).vertical_rms_m_per_s2;
   const double half = Cycle(1.0 / 6.0, 0).vertical_rms_m_per_s2;
   const double worn = Cycle(1.0 / 3.0, 0).vertical_rms_m_per_s2;

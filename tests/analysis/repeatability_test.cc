@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/analysis/chance.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::repeatability_test {
@@ -33,9 +34,11 @@ TEST(EstimateRepeatability, SeparatesMountingsFromRepeats) {
     groups.push_back(repeats);
   }
   const Repeatability gauge = EstimateRepeatability(groups);
-  EXPECT_NEAR(gauge.repeatability_sd, 0.5, 0.03);
-  EXPECT_NEAR(gauge.reproducibility_sd, 3.0, 0.3);
-  EXPECT_NEAR(gauge.gauge_sd, std::hypot(0.5, 3.0), 0.3);
+  // 400 mountings of four repeats on average, each with a mean of its own.
+  EXPECT_NEAR(gauge.repeatability_sd, 0.5, kByChance * SpreadOfDeviation(400.0 * 3.0) * 0.5);
+  const double between = kByChance * SpreadOfDeviation(399.0) * 3.0;
+  EXPECT_NEAR(gauge.reproducibility_sd, 3.0, between);
+  EXPECT_NEAR(gauge.gauge_sd, std::hypot(0.5, 3.0), between);
 }
 
 TEST(IsLargerThanGauge, IsWrongInFiveOfAHundredUnchangedPairs) {
@@ -51,7 +54,7 @@ TEST(IsLargerThanGauge, IsWrongInFiveOfAHundredUnchangedPairs) {
     const double change = normal(engine) / std::sqrt(2.0) - normal(engine) / std::sqrt(3.0);
     claimed += IsLargerThanGauge(change, EstimateRepeatability(repeats), 2, 3) ? 1 : 0;
   }
-  EXPECT_NEAR(claimed, 0.05 * kTrials, 0.012 * kTrials);
+  ExpectShare(claimed, kTrials, 0.05);
 }
 
 TEST(EstimateRepeatability, RefusesValuesWithoutARepeat) {

@@ -13,6 +13,7 @@
 #include "analysis/samples/stamps.h"
 #include "analysis/samples/wraps.h"
 #include "analysis/units.h"
+#include "tests/analysis/chance.h"
 
 namespace strainwave::analysis::samples::samples_test {
 namespace {
@@ -238,10 +239,14 @@ TEST(EvenWithinTicks, TakesRoundedStampsAsEvenAndNoOthers) {
     rounded_s.push_back(1e-4 * std::round(i / 12800.0 / 1e-4));
     wandering_s.push_back(1e-4 * std::round((i + 40.0 * std::sin(0.01 * i)) / 12800.0 / 1e-4));
   }
-  EXPECT_NEAR(static_cast<double>(RepeatedStamps(rounded_s)), 0.219 * 2560.0, 5.0);
+  EXPECT_NEAR(static_cast<double>(RepeatedStamps(rounded_s)), (1.0 - 1e4 / 12800.0) * 2560.0, 1.0)
+      << "a tick has 1.28 samples";
   ASSERT_TRUE(EvenWithinTicks(rounded_s));
+  // Within a tick of 1e-4 s rounding is even; a line through 2560 stamps is 29 µs · 2 / √2560 off at its
+  // ends.
+  const double error_s = kByChance * 1e-4 / std::sqrt(12.0) * 2.0 / std::sqrt(2560.0);
   for (std::size_t i = 0; i < rounded_s.size(); ++i)
-    ASSERT_NEAR(rounded_s[i], static_cast<double>(i) / 12800.0, 1e-5);
+    ASSERT_NEAR(rounded_s[i], static_cast<double>(i) / 12800.0, error_s);
   EXPECT_FALSE(EvenWithinTicks(wandering_s));
 }
 

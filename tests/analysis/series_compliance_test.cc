@@ -7,6 +7,7 @@
 #include <random>
 
 #include "analysis/units.h"
+#include "tests/analysis/chance.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::series_compliance_test {
@@ -31,8 +32,7 @@ TEST(FitSeriesCompliance, ItsErrorCoversTheTruth) {
     const Estimate value = FitSeriesCompliance(torque_Nm, twist_rad).compliance.compliance_rad_per_Nm;
     held += std::abs(value.value - kCompliance_rad_per_Nm) < 1.96 * value.standard_error ? 1 : 0;
   }
-  EXPECT_GE(held, 0.90 * kTrials);
-  EXPECT_LE(held, 0.99 * kTrials);
+  ExpectCoverageOf95(held, kTrials);
 }
 
 TEST(FitSeriesCompliance, SaysWhenTheRampIsNone) {
@@ -62,12 +62,16 @@ TEST(FitEncoderError, RecoversEccentricityAndTiltSoThatTheyCanBeTakenOff) {
   }
   const EncoderError error = FitEncoderError(encoder_rad, reference_rad);
   EXPECT_NEAR(ArcsecFromRad(error.once.amplitude.value), 82.0,
-              4.0 * ArcsecFromRad(error.once.amplitude.standard_error));
+              kByChance * ArcsecFromRad(error.once.amplitude.standard_error));
   EXPECT_NEAR(ArcsecFromRad(error.twice.amplitude.value), 4.0,
-              4.0 * ArcsecFromRad(error.twice.amplitude.standard_error));
-  EXPECT_NEAR(ArcsecFromRad(error.once.amplitude.standard_error), 0.5 * std::sqrt(2.0 / 360.0), 0.01);
+              kByChance * ArcsecFromRad(error.twice.amplitude.standard_error));
+  const double expected_arcsec = 0.5 * std::sqrt(2.0 / 360.0);  // of an amplitude, of a noise of 0.5 arcsec
+  EXPECT_NEAR(ArcsecFromRad(error.once.amplitude.standard_error), expected_arcsec,
+              kByChance * SpreadOfDeviation(355.0) * expected_arcsec);
+  constexpr double kMostOf360 = 4.8;  // standard deviations that one of 360 exceeds once in a thousand
   for (std::size_t i = 0; i < encoder_rad.size(); ++i) {
-    EXPECT_NEAR(encoder_rad[i] - error.At(encoder_rad[i]) - reference_rad[i], -0.01, RadFromArcsec(2.5));
+    EXPECT_NEAR(encoder_rad[i] - error.At(encoder_rad[i]) - reference_rad[i], -0.01,
+                kMostOf360 * RadFromArcsec(0.5));
   }
 }
 

@@ -160,12 +160,15 @@ TEST(FitStiffnessModel, GivesTheSameBitsTwice) {
 }
 
 TEST(FitStiffnessModel, ReturnsTheLoopItFitted) {
-  const SimulatedRecord record = SimulateLoop({}, {0, 34, -34, 0}, 1000, {.torque_Nm = 0.05});
+  constexpr double kNoise_Nm = 0.05;
+  const SimulatedRecord record = SimulateLoop({}, {0, 34, -34, 0}, 1000, {.torque_Nm = kNoise_Nm});
   const TorsionalStiffness fit = FitStiffnessModel(record.View(), kTorques);
   const SimulatedRecord clean = SimulateLoop({}, {0, 34, -34, 0}, 1000);
   ASSERT_EQ(fit.fitted_torque_Nm.size(), clean.torque_Nm.size());
   for (std::size_t i = 0; i < clean.torque_Nm.size(); ++i) {
-    EXPECT_NEAR(fit.fitted_torque_Nm[i], clean.torque_Nm[i], 0.05);
+    // A fit of some ten parameters to 1000 samples: √(10 / 1000) of the noise, and more where few samples
+    // carry one of them.
+    EXPECT_NEAR(fit.fitted_torque_Nm[i], clean.torque_Nm[i], 0.5 * kNoise_Nm);
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "analysis/lost_motion.h"
 #include "analysis/units.h"
+#include "tests/analysis/chance.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::transmission_error_test {
@@ -156,7 +157,8 @@ TEST(ComputeTransmissionError, FindsALineThatNobodyExpected) {
   const TransmissionError result = ComputeTransmissionError(sweep.View(), {}, kRatio);
   EXPECT_EQ(result.cw->orders[1].order_per_output_rev, 23.0);
   EXPECT_EQ(result.cw->orders[1].name, "");
-  EXPECT_NEAR(ArcsecFromRad(result.cw->noise_rad), 1.0, 0.12);
+  // From 360 samples less what the lines and the mean take.
+  EXPECT_NEAR(ArcsecFromRad(result.cw->noise_rad), 1.0, kByChance * SpreadOfDeviation(340.0));
 }
 
 TEST(ComputeTransmissionError, ItsStandardErrorsCoverTheTruth) {
@@ -180,10 +182,10 @@ TEST(ComputeTransmissionError, ItsStandardErrorsCoverTheTruth) {
       square += off_rad * off_rad / kTrials;
       error_square += std::pow(result.cw->e_max_rad.standard_error, 2) / kTrials;
     }
-    EXPECT_GE(mean_held, 0.90 * kTrials);
-    EXPECT_LE(mean_held, 0.99 * kTrials);
-    EXPECT_NEAR(ArcsecFromRad(bias_rad), ArcsecFromRad(expected_bias_rad), 0.4);
-    EXPECT_NEAR(std::sqrt(error_square) / std::sqrt(square), 1.0, 0.15);
+    ExpectCoverageOf95(mean_held, kTrials);
+    const double deviation_rad = std::sqrt(square);
+    EXPECT_NEAR(bias_rad, expected_bias_rad, kByChance * deviation_rad / std::sqrt(kTrials));
+    EXPECT_NEAR(std::sqrt(error_square) / deviation_rad, 1.0, kByChance * SpreadOfDeviation(kTrials));
   }
 }
 
@@ -203,8 +205,7 @@ TEST(ComputeTransmissionError, HasTheNoiseOfTheCommonZeroInTheMeansOfBothSweeps)
     const double truth_rad = -TrueError(kGear, 0.0);  // every line has the mean zero
     held += std::abs(mean.value - truth_rad) < 1.96 * mean.standard_error ? 1 : 0;
   }
-  EXPECT_GE(held, 0.90 * kTrials);
-  EXPECT_LE(held, 0.99 * kTrials);
+  ExpectCoverageOf95(held, kTrials);
 }
 
 TEST(ComputeTransmissionError, MeasuresLostMotionOnOffsetGrids) {
@@ -214,8 +215,11 @@ TEST(ComputeTransmissionError, MeasuresLostMotionOnOffsetGrids) {
   const TransmissionError result = ComputeTransmissionError(cw.View(), ccw.View(), kRatio);
   EXPECT_EQ(result.failed_checks, Checks{});
   ASSERT_TRUE(result.lost_motion_rad);
-  EXPECT_NEAR(ArcsecFromRad(result.lost_motion_rad->value), 20.0, 0.25);
-  EXPECT_NEAR(ArcsecFromRad(result.lost_motion_rad->standard_error), std::sqrt(2.0 / 360.0), 0.02);
+  // The difference of two means over 360 samples with a noise of 1 arcsec each.
+  const double error_arcsec = std::sqrt(2.0 / 360.0);
+  EXPECT_NEAR(ArcsecFromRad(result.lost_motion_rad->value), 20.0, kByChance * error_arcsec);
+  EXPECT_NEAR(ArcsecFromRad(result.lost_motion_rad->standard_error), error_arcsec,
+              kByChance * SpreadOfDeviation(360.0) * error_arcsec);
 }
 
 TEST(MeanDifferenceAtEqualAngle, InterpolatesBetweenOffsetGrids) {

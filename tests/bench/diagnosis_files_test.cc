@@ -72,7 +72,7 @@ TEST(ExtendedModel, ReadsBackAsItWasWritten) {
   const daq::ScratchFolder folder;
   const MadeUp made_up = Found();
   ExtendedModel model = ExtendedModelOf(made_up.input, made_up.result, "2026-03-01T12:00:00Z");
-  model.corrections.push_back(
+  model.nuisance_terms.push_back(
       {"line over output angle", "undecided", {{"order_per_output_turn", "1/turn", 7.0, 0.5}}});
   model.plant.terms.push_back({"creep", false, {{"share_per_decade", 0.125}}, 0});
   model.plant.terms.push_back({"kinematic_input_1", true, {{"amplitude_rad", 1e-7}, {"phase_rad", -3.0}}, 0});
@@ -96,8 +96,8 @@ TEST(ExtendedModel, ReadsBackAsItWasWritten) {
   EXPECT_EQ(read.causes[0].name, "output_eccentricity");
   EXPECT_EQ(read.causes[0].where, "undecided");
   expect_equal(read.causes[0].parameters, model.causes[0].parameters);
-  ASSERT_EQ(read.corrections.size(), 1u);
-  expect_equal(read.corrections[0].parameters, model.corrections[0].parameters);
+  ASSERT_EQ(read.nuisance_terms.size(), 1u);
+  expect_equal(read.nuisance_terms[0].parameters, model.nuisance_terms[0].parameters);
   EXPECT_EQ(NamedCausesOf(read, false).size(), 1u);
   EXPECT_EQ(NamedCausesOf(read, true).size(), 2u);
   EXPECT_EQ(GivenCauses(read, *made_up.input.study, "m.yaml"), std::vector<std::size_t>{0});

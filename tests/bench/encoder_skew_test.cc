@@ -51,13 +51,13 @@ EncoderSkew AfterASweep(double skew_s, int times_each = 1) {
       };
       for (int i = 0; i < 75; ++i, now += std::chrono::milliseconds(4)) {
         const double time_s = 4e-3 * i;
-        Readings readings;
-        readings.time = readings.angles_time = now;
-        readings.input_angle_rad = from_rad + direction * MotionAt(time_s).angle_rad;
-        readings.input_speed_rad_per_s = direction * MotionAt(time_s - 5e-3).speed_rad_per_s;
-        readings.output_angle_rad = output_at(time_s + skew_s).first;
-        readings.output_torque_Nm = output_at(time_s).second;
-        for (int time = 0; time < times_each; ++time) skew.Add(readings);
+        AlignedSample sample;
+        sample.time = now;
+        sample.input_angle_rad = from_rad + direction * MotionAt(time_s).angle_rad;
+        sample.input_speed_rad_per_s = direction * MotionAt(time_s - 5e-3).speed_rad_per_s;
+        sample.output_angle_rad = output_at(time_s + skew_s).first;
+        sample.output_torque_Nm = output_at(time_s).second;
+        for (int time = 0; time < times_each; ++time) skew.Add(sample);
       }
       from_rad += direction * kStep_rad;
     }
@@ -88,9 +88,9 @@ TEST(EncoderSkew, SaysNothingOfShaftsThatStand) {
   for (int i = 0; i < 100; ++i) {
     skew.BeginMove(i % 2 == 0 ? 1.0 : -1.0);
     for (int k = 0; k < 3; ++k) {
-      Readings readings;
-      readings.angles_time = std::chrono::milliseconds(10 * i + k);
-      skew.Add(readings);
+      AlignedSample sample;
+      sample.time = std::chrono::milliseconds(10 * i + k);
+      skew.Add(sample);
     }
   }
   EXPECT_FALSE(skew.Estimate().has_value());

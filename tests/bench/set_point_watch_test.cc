@@ -108,7 +108,8 @@ TEST(LoadWatch, SaysWhichServoIsAwayByTransducerAndEncoder) {
     const double speed_rad_per_s = torque_is_short ? asked_rad_per_s : RadPerSFromRpm(608.0);
     for (int step = 1; step < 500 && !watch.failed(); ++step) {
       Readings readings;
-      readings.time = readings.angles_time = readings.torque_time = std::chrono::milliseconds(10) * step;
+      readings.time = std::chrono::milliseconds(10) * step;
+      readings.SetSampleTimes(readings.time);
       readings.input_angle_rad = speed_rad_per_s * 0.01 * step;
       readings.input_speed_rad_per_s = asked_rad_per_s;  // as the drive says
       readings.output_torque_Nm = torque_is_short ? 8.0 : 40.0;
@@ -129,7 +130,7 @@ TEST(LoadWatch, KnowsTheSpeedWhereSamplesComeInPairs) {
   for (int step = 1; step < 500; ++step) {
     Readings readings;
     readings.time = readings.torque_time = std::chrono::milliseconds(10) * step;
-    readings.angles_time = readings.time + std::chrono::milliseconds(step % 2 == 0 ? -9 : 0);
+    readings.input_angle_time = readings.time + std::chrono::milliseconds(step % 2 == 0 ? -9 : 0);
     readings.input_angle_rad = asked_rad_per_s * 0.01 * step;
     readings.output_torque_Nm = 40.0;
     watch.Step(40.0, asked_rad_per_s, readings, kPeriod_s);

@@ -33,7 +33,7 @@ struct Shaft {
     for (nanoseconds time = kPeriod; time <= most; time += kPeriod) {
       const nanoseconds told = drive_time(time);
       Readings readings;
-      readings.time = readings.angles_time = time;
+      readings.time = readings.input_angle_time = time;
       readings.input_angle_rad = encoder(AngleAt(time));
       const DriveActual driving{.time = told,
                                 .position_rad = AngleAt(told - drive_late),
@@ -99,7 +99,7 @@ TEST(ShaftWatch, LetsAShaftSwingThatHasComeToStand) {
   for (nanoseconds time = kPeriod; time <= std::chrono::seconds(5); time += kPeriod) {
     const nanoseconds told = time - time % kSwingPeriod;
     Readings readings;
-    readings.time = readings.angles_time = time;
+    readings.time = readings.input_angle_time = time;
     // The first of all is told before anything swings.
     const double swing_rad = told < milliseconds(400) ? 0.0 : kSwing_rad;
     readings.input_angle_rad = swing_rad * std::cos(phase(time));
@@ -134,7 +134,7 @@ TEST(ShaftWatch, BeginsAnewWhereAPhaseBegins) {
   Readings readings;
   DriveActual driving;
   const auto check = [&](double encoder_rad) {
-    readings.angles_time = driving.time += kPeriod;
+    readings.input_angle_time = driving.time += kPeriod;
     readings.input_angle_rad = encoder_rad;
     return watch.Check(readings, driving);
   };

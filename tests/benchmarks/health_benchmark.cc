@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packets and 224 features of a cycle, and the search for the parameters of a Gaussian process, in the sizes of
-// docs/performance.md. Prints a line each: the median of several rounds.
+// Packets and 224 features of a cycle, and the search for the parameters of a Gaussian process, in the sizes
+// of docs/performance.md. Prints a line each: the median of several rounds.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -50,17 +50,16 @@ int main() {
               }));
   for (const Eigen::Index coordinates : {1, 14}) {
     std::uniform_real_distribution<double> even(0.0, 10.0);
-    Eigen::MatrixXd places(45, coordinates);
+    Eigen::MatrixXd points(45, coordinates);
     Eigen::VectorXd measured(45);
     for (Eigen::Index i = 0; i < 45; ++i) {
-      for (Eigen::Index k = 0; k < coordinates; ++k) places(i, k) = even(engine);
-      measured(i) = std::sin(places(i, 0)) + 0.3 * places(i, coordinates - 1) + 0.1 * normal(engine);
+      for (Eigen::Index k = 0; k < coordinates; ++k) points(i, k) = even(engine);
+      measured(i) = std::sin(points(i, 0)) + 0.3 * points(i, coordinates - 1) + 0.1 * normal(engine);
     }
-    const statistics::ReplicatedData data = statistics::Replicated(places, measured);
+    const statistics::ReplicatedData data = statistics::Replicated(points, measured);
     double likelihood = 0.0;
-    const double time_us = Median_us(9, 3, [&] {
-      likelihood = statistics::FitGaussianProcess(data, {}).log_likelihood();
-    });
+    const double time_us =
+        Median_us(9, 3, [&] { likelihood = statistics::FitGaussianProcess(data, {}).log_likelihood(); });
     std::printf("gaussian process of 45 points, %d coordinates, 10 restarts: %.2f ms, ln likelihood %.4f\n",
                 static_cast<int>(coordinates), time_us / 1000.0, likelihood);
   }

@@ -110,8 +110,8 @@ class Installed(unittest.TestCase):
         module = self.libraries / "strainwave/strainwave_camera.so"
         aside = module.rename(module.with_suffix(".aside"))
         self.addCleanup(lambda: aside.rename(module))
-        self.assertIn("the camera's module cannot be loaded (of the Debian package strainwave-camera): "
-                      f"{module}: cannot open shared object file: No such file or directory",
+        self.assertIn("the camera's module cannot be loaded (of the Debian package strainwave-camera, or of a build with "
+                      f"libopencv-videoio-dev and libopencv-imgcodecs-dev): {module}: cannot open shared object file: No such file or directory",
                       self.run_it(taker, one, code=1).stdout)
 
     def test_a_program_in_c_is_built_by_pkg_config(self):

@@ -145,7 +145,7 @@ TEST(MakePlan, ReadsAShuntWithoutAndWithIt) {
   SensorCheck check;
   check.duration_s = 2.0;
   schedule.phases = {{"zero", check, 0}};
-  EXPECT_EQ(MakePlan(schedule, kStart).cycle.other_s, 21.0);  // 18 s of shaking, a second to settle
+  EXPECT_EQ(MakePlan(schedule, kStart).cycle.other_s, 21.0);  // 18 s of dither, a second to settle
   check.kind = SensorCheck::Kind::kShunt;
   schedule.phases = {{"shunt", check, 0}};
   const Plan plan = MakePlan(schedule, kStart);

@@ -36,8 +36,8 @@ struct TestedPhase {
 
 // At each lock: the torque there and back both ways, and the drives brought up again.
 inline constexpr double kLocked_s = 6.0 * 34.0 / 20.0 + 4.0 * 0.5 + 3.0;
-// A drive that comes up, and two swings of the zero check.
-inline constexpr double kShakes_s = 3.0 + 2.0;
+// A drive that comes up, and two periods of the zero check's dither.
+inline constexpr double kDithers_s = 3.0 + 2.0;
 
 // First those that campaigns of tests repeat in every cycle.
 inline constexpr TestedPhase kPhases[] = {
@@ -47,7 +47,7 @@ inline constexpr TestedPhase kPhases[] = {
     {"hysteresis", 300.0, kLocked_s, true, kLocked_s, true, 3, 3},
     {"soak", 0.0, 0.0, false, -1.0, false, 3, 3},
     {"blank_test", 20.0, kLocked_s, true, kLocked_s, true, 3, 3},
-    {"zero_check", 0.0, 0.0, false, kShakes_s, true, 3, 0},
+    {"zero_check", 0.0, 0.0, false, kDithers_s, true, 3, 0},
     {"shunt_check", 0.0, 0.0, false, -1.0, false, 8, 8},  // the shunt is on
     {"reference_check", 0.0, 0.0, false, -1.0, false, 3, 3},
 };

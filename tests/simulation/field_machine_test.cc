@@ -155,6 +155,28 @@ TEST(FieldMachine, WritesDownWhatGoesOverItsBusAndKeepsItAroundATrip) {
 TEST(FieldMachine, MountsTheBlankOfTheDeviceSideByItself) {
   FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
   machine.MountBlank(true);
+  BenchDevices devices = machine.Devices();
+  Until([&] { return devices.sampler.Read().bad_channels == 0; });
+  const Readings from = devices.sampler.Read();
+  devices.driving.Enable(DriveMode::kSpeed);
+  devices.load.Enable(DriveMode::kTorque);
+  Until([&] {
+    const bool driving = BroughtUp(devices.driving);
+    return BroughtUp(devices.load) && driving;
+  });
+  constexpr double kSpeed_rad_per_s = 5.0;
+  Until([&] {
+    devices.driving.CommandSpeed(kSpeed_rad_per_s);
+    devices.load.CommandTorque(0.0);
+    return devices.sampler.Read().input_angle_rad - from.input_angle_rad > 2.0;
+  });
+  const Readings turned = devices.sampler.Read();
+  // The output turns with the input, not by the gear's ratio; samples of both are less than 40 ms apart.
+  EXPECT_NEAR(turned.output_angle_rad - from.output_angle_rad, turned.input_angle_rad - from.input_angle_rad,
+              0.04 * kSpeed_rad_per_s);
+  devices.driving.QuickStop();
+  devices.load.QuickStop();
+  Until([&] { return machine.device_side()->StandsSafe(); });
   machine.MountBlank(false);
 }
 
@@ -192,30 +214,31 @@ TEST(FieldMachine, ConnectsTheShuntOverModbus) {
   Until([&] { return sampler.Read().output_torque_Nm < 1.0; });
 }
 
-// Two encoders in motion, the second one read 3 ms before the first.
-TEST(FieldSampler, BringsBothAnglesToOneMoment) {
+// Two encoders in motion, the second one read 3 ms before the first, and a torque that is read later than
+// both.
+TEST(FieldSampler, GivesEachValueAsItWasSampledWithItsTime) {
   const MonotonicClock clock;
-  constexpr double kSpeed_rad_per_s = 104.72;  // 1000 rpm
   FieldChannels channels;
   const auto at = [](Channel channel) { return static_cast<std::size_t>(channel); };
-  const auto constant = [&](double value) {
-    return [&clock, value] { return ChannelValue{value, clock.Now(), true}; };
+  const auto sampled = [&clock](double value, milliseconds time) {
+    return [&clock, value, time] { return ChannelValue{value, clock.Now(), true, time}; };
   };
-  channels.ratio = 80.0;
-  channels.channels[at(Channel::kInputAngle)] = [&] {
-    return ChannelValue{4.999 * kSpeed_rad_per_s, clock.Now(), true, milliseconds(-1)};
-  };
-  channels.channels[at(Channel::kOutputAngle)] = [&] {
-    return ChannelValue{4.996 * kSpeed_rad_per_s / 80.0, clock.Now(), true, milliseconds(-4)};
-  };
-  channels.channels[at(Channel::kInputSpeed)] = constant(kSpeed_rad_per_s);
-  channels.channels[at(Channel::kOutputTorque)] = constant(0.0);
-  channels.channels[at(Channel::kGearTemperature)] = constant(20.0);
+  channels.channels[at(Channel::kInputAngle)] = sampled(523.5, milliseconds(-1));
+  channels.channels[at(Channel::kOutputAngle)] = sampled(6.54, milliseconds(-4));
+  channels.channels[at(Channel::kInputSpeed)] = sampled(104.72, milliseconds(-7));
+  channels.channels[at(Channel::kOutputTorque)] = sampled(12.0, milliseconds(-30));
+  channels.channels[at(Channel::kMotorTorque)] = sampled(0.25, milliseconds(-5));
+  channels.channels[at(Channel::kGearTemperature)] = sampled(20.0, milliseconds(-900));
   FieldSampler sampler(channels, clock);
   const Readings readings = sampler.Read();
-  constexpr double kRounding_rad = 1e-12;
-  EXPECT_NEAR(readings.output_angle_rad, readings.input_angle_rad / 80.0, kRounding_rad);
-  EXPECT_EQ(readings.angles_time, milliseconds(-4)) << "not when the sample came";
+  EXPECT_EQ(readings.input_angle_rad, 523.5);
+  EXPECT_EQ(readings.input_angle_time, milliseconds(-1)) << "not when the sample came";
+  EXPECT_EQ(readings.output_angle_rad, 6.54) << "as it was sampled";
+  EXPECT_EQ(readings.output_angle_time, milliseconds(-4));
+  EXPECT_EQ(readings.angles_time(), milliseconds(-4));
+  EXPECT_EQ(readings.input_speed_time, milliseconds(-7));
+  EXPECT_EQ(readings.torque_time, milliseconds(-30));
+  EXPECT_EQ(readings.motor_torque_time, milliseconds(-5));
 }
 
 // The encoders of the device side are read 1 ms apart, which is 4.5 arcmin at 1000 rpm; its drives have the

@@ -39,12 +39,12 @@ TEST(FieldTurns, CountsOnWhereAnEncoderGoesOver) {
   for (const char* const drift : {"sensor drift 0 50000", "sensor drift 0 -50000"}) {
     machine.device_side()->Do(drift);
     const double direction = std::string(drift).find('-') == std::string::npos ? 1.0 : -1.0;
-    const auto end = from.angles_time + seconds(20);  // of samples; the drift alone needs less than one
+    const auto end = from.angles_time() + seconds(20);  // of samples; the drift alone needs less than one
     Readings readings;
     Until([&] {
       readings = sampler.Read();
       const double way_rad = direction * (readings.input_angle_rad - from.input_angle_rad);
-      return way_rad > kFarEnough_rad || readings.angles_time > end;
+      return way_rad > kFarEnough_rad || readings.angles_time() > end;
     });
     EXPECT_GT(direction * (readings.input_angle_rad - from.input_angle_rad), kFarEnough_rad) << drift;
     EXPECT_NEAR(readings.output_angle_rad, from.output_angle_rad, 1e-3) << drift;
@@ -71,11 +71,11 @@ TEST(FieldTurns, CountsOnFromBeforeThePowerCut) {
   Until([&] { return sampler.Read().bad_channels == 0; });
   const Readings alone = sampler.Read();
   after.RestoreMemory(memory);
-  const auto end = alone.angles_time + seconds(5);
+  const auto end = alone.angles_time() + seconds(5);
   Readings readings = alone;
   Until([&] {
     readings = sampler.Read();
-    return readings.input_angle_rad > 1000.0 || readings.angles_time > end;
+    return readings.input_angle_rad > 1000.0 || readings.angles_time() > end;
   });
   EXPECT_NEAR(readings.input_angle_rad, alone.input_angle_rad + 4096.0 * kTwoPi, 1e-3);
   EXPECT_NEAR(readings.output_angle_rad, alone.output_angle_rad, 1e-3);

@@ -205,7 +205,7 @@ TEST(Pause, WaitsForTheEndOfAMeasurementAndCutsALoadRun) {
   });
   EXPECT_EQ(outcome.reason.cause, StopCause::kPauseRequested);
   EXPECT_GT(outcome.credited_load_s, 20.0);
-  EXPECT_LT(outcome.credited_load_s, 22.0);
+  EXPECT_LT(outcome.credited_load_s, 22.0) << "a heartbeat a second, and the way down from 2400 rpm";
   EXPECT_EQ(outcome.records.size(), 1u);
   EXPECT_TRUE(bench.Safe());
 }
@@ -216,7 +216,7 @@ TEST(LoadRun, ServesWhatIsLeftAndNoMore) {
   const auto start = bench.devices.clock.Now();
   const PhaseOutcome outcome = bench.runner.Run(*program, NoHeartbeat);
   EXPECT_FALSE(outcome.reason);
-  EXPECT_NEAR(outcome.credited_load_s, 60.0, 0.011);
+  EXPECT_NEAR(outcome.credited_load_s, 60.0, 1.1 * 0.01) << "a control period";
   const double took_s = std::chrono::duration<double>(bench.devices.clock.Now() - start).count();
   EXPECT_GE(took_s, 15.0);
   EXPECT_LE(took_s, 19.0);  // ramps, brakes, and parking: at most half a turn of the output, 1 s at 2400 rpm
@@ -234,7 +234,7 @@ TEST(Suspend, GoesOnByItselfWhenTheGearHasCooledDown) {
   EXPECT_EQ(outcome.reason.cause, StopCause::kTemperatureSuspend);
   EXPECT_TRUE(bench.Safe());
   EXPECT_FALSE(bench.runner.WaitUntilRecovered(NoHeartbeat));
-  EXPECT_LT(bench.devices.sampler.Read().gear_temperature_degC, 51.0);
+  EXPECT_LT(bench.devices.sampler.Read().gear_temperature_degC, 50.5) << "50, and the sensor's noise";
 }
 
 TEST(Suspend, ThatGivesUpSaysWhatDidNotComeBack) {
@@ -339,7 +339,7 @@ TEST_P(Jog, TurnsAsLongAsItIsHeldAndIsSafeOtherwise) {
   const PhaseOutcome outcome = bench_.runner.Run(program, NoHeartbeat);
   EXPECT_EQ(outcome.reason.cause, StopCause::kShutdownRequested) << Describe(outcome.reason);
   EXPECT_TRUE(bench_.Safe());
-  // At one moment; cogging and friction of the input, times the ratio, shake the load servo's speed more.
+  // At one moment; cogging and friction of the input, times the ratio, move the load servo's speed more.
   EXPECT_NEAR(held_speed_, speed, (driving ? 0.2 : 0.4) * std::abs(speed));
   const Readings readings = bench_.devices.sampler.Read();
   const double turned_rad = driving ? readings.input_angle_rad : readings.output_angle_rad;

@@ -6,7 +6,7 @@
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/hysteresis/formed_effect.h"
 #include "analysis/diagnosis/hysteresis/phases.h"
-#include "analysis/model/creep_ladder.h"
+#include "analysis/model/creep_chain.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -71,16 +71,16 @@ class CreepEffect final : public FormedEffect {
     if (v[1] == 0.0) return;
     const CreepForm form = FormOf(v);
     const double time_s = forms_[form].nonlinear_parameter_per_number * std::exp(v[2]);
-    const model::CreepLadder ladder = IsBand(form)          ? model::BandOfCreep(time_s, std::exp(v[3]))
-                                      : IsLogarithmic(form) ? model::LogarithmicCreep(time_s, duration_s_)
-                                                            : model::ExponentialCreep(time_s);
+    const model::CreepChain chain = IsBand(form)          ? model::BandOfCreep(time_s, std::exp(v[3]))
+                                    : IsLogarithmic(form) ? model::LogarithmicCreep(time_s, duration_s_)
+                                                          : model::ExponentialCreep(time_s);
     const bool of_torque = IsOfTorque(form);
     const double straight_rad_per_Nm = records_.compliance_rad_per_Nm();
     const auto driver_rad = [&](std::size_t i) {
       return of_torque ? straight_rad_per_Nm * grid.torque_Nm[i] : gear_rad(static_cast<Eigen::Index>(i));
     };
-    std::vector<model::RungStep> steps(ladder.rungs.size());
-    std::vector<double> state(ladder.rungs.size());
+    std::vector<model::ElementStep> steps(chain.elements.size());
+    std::vector<double> state(chain.elements.size());
     for (std::size_t r = 0; r < grid.records(); ++r) {
       // At rest at the first sample's twist, whatever that came from: the rest is in the record's offset.
       std::fill(state.begin(), state.end(), 0.0);
@@ -92,15 +92,15 @@ class CreepEffect final : public FormedEffect {
         if (!(std::abs(step_s - last_step_s) <= 1e-3 * step_s)) {
           last_step_s = step_s;
           for (std::size_t k = 0; k < steps.size(); ++k) {
-            steps[k] = model::StepOf(ladder.rungs[k].time_constant_s, step_s);
+            steps[k] = model::StepOf(chain.elements[k].time_constant_s, step_s);
           }
         }
         const double from = driver_rad(i - 1) - rest_rad;
         const double to = driver_rad(i) - rest_rad;
         double sum = 0.0;
         for (std::size_t k = 0; k < steps.size(); ++k) {
-          state[k] = model::AdvanceRung(steps[k], state[k], from, to);
-          sum += ladder.rungs[k].weight * state[k];
+          state[k] = model::AdvanceElement(steps[k], state[k], from, to);
+          sum += chain.elements[k].weight * state[k];
         }
         total_rad(static_cast<Eigen::Index>(i)) += v[1] * sum;
       }
@@ -110,7 +110,7 @@ class CreepEffect final : public FormedEffect {
   std::vector<std::vector<double>> Starts(const LoopResidual&) const override {
     std::vector<std::vector<double>> starts;
     for (const CreepForm form : {kLogOfTwist, kOneOfTwist, kLogOfTorque, kOneOfTorque}) {
-      // One time constant alone is sharper than a whole ladder of them.
+      // One time constant alone is sharper than a whole chain of them.
       const int starts_of_form = IsLogarithmic(form) ? 5 : 15;
       for (int k = 0; k < starts_of_form; ++k) {
         const double share = (k + 0.5) / starts_of_form;

@@ -19,7 +19,9 @@ void* LoadModule() {
   const std::filesystem::path file = ModuleFile("strainwave_camera.so");
   if (void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return module;
   throw std::runtime_error(fmt::format(
-      "the camera's module cannot be loaded (of the Debian package strainwave-camera): {}", ::dlerror()));
+      "the camera's module cannot be loaded (of the Debian package strainwave-camera, or of a build with "
+      "libopencv-videoio-dev and libopencv-imgcodecs-dev): {}",
+      ::dlerror()));
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ void SimulatedSensors::FollowVibration(const GearPlant& plant) noexcept {
 Readings SimulatedSensors::Measure(const GearPlant& plant, std::chrono::nanoseconds time) noexcept {
   const PlantState& state = plant.state();
   Readings readings;
-  readings.time = readings.angles_time = readings.torque_time = time;
+  readings.time = time;
+  readings.SetSampleTimes(time);
   readings.input_angle_rad = input_encoder_.Reading(state.input_rad, input_noise_rad_ * noise_());
   const double late_rad = time_skew_s_ * state.output_speed_rad_per_s;
   double beside_rad = output_noise_rad_ * noise_();

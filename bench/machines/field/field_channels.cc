@@ -155,7 +155,6 @@ FieldChannels FieldMachine::Channels() {
   if (!speed) speed = from_drive(&DriveActual::speed_rad_per_s);
   auto& torque = channels.channels[static_cast<std::size_t>(Channel::kMotorTorque)];
   if (!torque) torque = from_drive(&DriveActual::torque_Nm);
-  channels.ratio = ratio_;
   if (shunt_) {
     channels.connect_shunt = [this, client = modbus_.at(bench_.transducer.shunt.device).get()](bool on) {
       if (shunt_->Set(on)) client->Call();

@@ -36,9 +36,10 @@ FieldSampler::FieldSampler(FieldChannels channels, const BenchClock& clock)
 
 Readings FieldSampler::Read() noexcept {
   Readings readings;
-  readings.time = readings.angles_time = readings.torque_time = clock_.Now();
+  readings.time = clock_.Now();
   std::array<double, 8> values{};
   std::array<std::chrono::nanoseconds, 8> times{};
+  times.fill(readings.time);  // of a channel without a source
   for (std::size_t i = 0; i < channels_.channels.size(); ++i) {
     if (!channels_.channels[i]) continue;
     const ChannelValue value = channels_.channels[i]();
@@ -48,23 +49,15 @@ Readings FieldSampler::Read() noexcept {
     if (std::ranges::find(kGuards, static_cast<Channel>(i)) != std::end(kGuards)) {
       readings.time = std::min(readings.time, value.time);
     }
-    const auto channel = static_cast<Channel>(i);
-    if (channel == Channel::kInputAngle || channel == Channel::kOutputAngle) {
-      readings.angles_time = std::min(readings.angles_time, times[i]);
-    }
-    if (channel == Channel::kOutputTorque) readings.torque_time = times[i];
   }
+  readings.input_angle_time = times[At(Channel::kInputAngle)];
+  readings.output_angle_time = times[At(Channel::kOutputAngle)];
+  readings.input_speed_time = times[At(Channel::kInputSpeed)];
+  readings.torque_time = times[At(Channel::kOutputTorque)];
+  readings.motor_torque_time = times[At(Channel::kMotorTorque)];
   readings.input_angle_rad = values[At(Channel::kInputAngle)];
   readings.input_speed_rad_per_s = values[At(Channel::kInputSpeed)];
   readings.output_angle_rad = values[At(Channel::kOutputAngle)];
-  constexpr unsigned kAngles = 1U << At(Channel::kInputAngle) | 1U << At(Channel::kOutputAngle);
-  if (channels_.ratio != 0.0 && (readings.bad_channels & kAngles) == 0) {
-    // From two devices, or from one whose newest block has come in between: up to milliseconds apart, of
-    // which each is 4.5 arcmin at 1000 rpm.
-    const std::chrono::duration<double> apart =
-        times[At(Channel::kInputAngle)] - times[At(Channel::kOutputAngle)];
-    readings.output_angle_rad += readings.input_speed_rad_per_s / channels_.ratio * apart.count();
-  }
   readings.output_torque_Nm = values[At(Channel::kOutputTorque)];
   readings.motor_torque_Nm = values[At(Channel::kMotorTorque)];
   readings.gear_temperature_degC = values[At(Channel::kGearTemperature)];

@@ -22,9 +22,6 @@ struct FieldChannels {
   using Read = std::function<ChannelValue()>;
 
   std::array<Read, 8> channels;  // by `Channel`
-  /// Of the gear: two encoders that are not read at one moment are brought to that of the input's with it; 0:
-  /// they are taken as they come.
-  double ratio{};
   /// Accelerometers in the order of VibrationBlock, all of one source; nothing where there is none.
   SourceReader* vibration{};
   std::array<std::optional<std::size_t>, 4> accelerometers;
@@ -33,7 +30,8 @@ struct FieldChannels {
   std::function<void(bool)> connect_shunt;   // of the torque transducer; nothing: it has none
 };
 
-/// The measuring side of a bench of metal: the newest value of every channel from whichever device has it.
+/// The measuring side of a bench of metal: the newest value of every channel from whichever device has it,
+/// with the time when it was sampled.
 class FieldSampler final : public Sampler {
  public:
   /// @throws std::invalid_argument for a channel of angle, torque or gear temperature that is nothing.

@@ -135,7 +135,8 @@ class MotorSampler final : public Sampler {
   explicit MotorSampler(InProcessDrives& bench) : bench_(bench) {}
   Readings Read() noexcept override {
     Readings readings;
-    readings.time = readings.angles_time = bench_.clock.now;
+    readings.time = bench_.clock.now;
+    readings.SetSampleTimes(readings.time);
     readings.input_angle_rad = bench_.motors[0].reading.position_inc / 65536.0 * kTwoPi;
     readings.input_speed_rad_per_s = bench_.motors[0].reading.speed_inc_per_s / 65536.0 * kTwoPi;
     readings.output_angle_rad = bench_.motors[1].reading.position_inc / 65536.0 * kTwoPi;

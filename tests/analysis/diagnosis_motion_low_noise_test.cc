@@ -11,7 +11,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis::diagnosis_motion_calm_test {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_low_noise_test {
 namespace {
 
 constexpr double kInertia_kgm2 = 0.1;
@@ -76,7 +76,7 @@ Diagnosed Ask(const MotionData& record) { return DiagnoseRecords(&MakeMotionStud
 // Kept narrow for the turns, the smoothing lets the path's noise through all the time between them: the
 // inertia comes out a third too small, and what that leaves at the turns passes for more than the nominal
 // model.
-TEST(MotionCalm, DoesNotShowThePathsNoiseAsAcceleration) {
+TEST(MotionLowNoise, DoesNotShowThePathsNoiseAsAcceleration) {
   for (const unsigned seed : {2U, 3U}) {
     const Diagnosed clean = Ask(Record(seed, {}));
     EXPECT_EQ(clean.names(), Names());
@@ -86,7 +86,7 @@ TEST(MotionCalm, DoesNotShowThePathsNoiseAsAcceleration) {
   }
 }
 
-TEST(MotionCalm, LetsADelayBeTold) {
+TEST(MotionLowNoise, LetsADelayBeTold) {
   const Diagnosed late =
       Ask(Record(4, {.path_noise_rad = 2e-5, .torque_noise_Nm = 0.03, .turn_s = 0.04, .late_s = 0.004}));
   EXPECT_EQ(late.names(), Names{"time_delay"});
@@ -95,7 +95,7 @@ TEST(MotionCalm, LetsADelayBeTold) {
 }
 
 // Coulomb friction as many a simulation has it, tanh(v/v₀), seen only where it is nearly all there.
-TEST(MotionCalm, TakesAReversalSmoothingForNothingElse) {
+TEST(MotionLowNoise, TakesAReversalSmoothingForNothingElse) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   MotionData record;
@@ -152,7 +152,7 @@ MotionData Moves(double unit_s) {
   return record;
 }
 
-TEST(MotionCalm, KeepsTheKinksThatTheTorqueFollows) {
+TEST(MotionLowNoise, KeepsTheKinksThatTheTorqueFollows) {
   for (const double unit_s : {0.5, 0.6, 0.9}) {
     const MotionData record = Moves(unit_s);
     const MotionBandwidth bandwidth = ChooseBandwidth(PrepareMotion({{record}}), kMostRows);
@@ -162,4 +162,4 @@ TEST(MotionCalm, KeepsTheKinksThatTheTorqueFollows) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_calm_test
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_low_noise_test

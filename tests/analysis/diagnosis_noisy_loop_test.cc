@@ -9,7 +9,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed_loop.h"
 
-namespace strainwave::analysis::diagnosis::diagnosis_loud_loop_test {
+namespace strainwave::analysis::diagnosis::diagnosis_noisy_loop_test {
 namespace {
 
 const std::vector<PathLeg>& Held() {
@@ -42,7 +42,7 @@ class YieldingMount {
 };
 
 // Neither one of them nor a logarithm that goes on: what these leave would do for a drift or a slip.
-TEST(LoudLoop, NamesOnlyACreepThatEnds) {
+TEST(NoisyLoop, NamesOnlyACreepThatEnds) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const Diagnosed found = DiagnoseLoop(
         {}, {.angle_noise_rad = RadFromArcmin(0.008), .unlisted_rad = YieldingMount()}, Held(), 2500, seed);
@@ -59,7 +59,7 @@ TEST(LoudLoop, NamesOnlyACreepThatEnds) {
 }
 
 // A gap beside its place: neither the gap in the middle nor the shift alone explains any of it.
-TEST(LoudLoop, NamesABacklashBesideAShiftedTorque) {
+TEST(NoisyLoop, NamesABacklashBesideAShiftedTorque) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const Diagnosed found = DiagnoseLoop(
         {.friction_Nm = {1.3}, .yield_rad = {1.5e-4}, .outside_dead_zone_rad = RadFromArcmin(1.2)},
@@ -72,4 +72,4 @@ TEST(LoudLoop, NamesABacklashBesideAShiftedTorque) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis::diagnosis_loud_loop_test
+}  // namespace strainwave::analysis::diagnosis::diagnosis_noisy_loop_test
