@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daq/csv_text.h"
+#include "daq/direction_words.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
 #include "daq/record_rules.h"
@@ -57,7 +58,7 @@ bool MayBeThousands(std::string_view cell) {
 }
 
 bool IsValue(std::string_view text) {
-  return text == "cw" || text == "ccw" || NumberFromText(text).has_value();
+  return NumberFromText(text).has_value() || DirectionOf(text).has_value();
 }
 
 // Whatever the separator and the decimal sign.
@@ -175,9 +176,12 @@ class FormReader {
   }
 
   static bool IsKnownToAnyKind(std::string_view name) {
-    constexpr RecordKind::Value kKinds[] = {RecordKind::kTransmissionError, RecordKind::kHysteresis,
-                                            RecordKind::kMotion, RecordKind::kVibration,
-                                            RecordKind::kMotor, RecordKind::kJoints,
+    constexpr RecordKind::Value kKinds[] = {RecordKind::kTransmissionError,
+                                            RecordKind::kHysteresis,
+                                            RecordKind::kMotion,
+                                            RecordKind::kVibration,
+                                            RecordKind::kMotor,
+                                            RecordKind::kJoints,
                                             RecordKind::kHistory};
     return std::ranges::any_of(kKinds, [name](RecordKind kind) { return IsKnownColumn(kind, name); });
   }

@@ -13,6 +13,7 @@
 #include "daq/csv_findings.h"
 #include "daq/csv_form.h"
 #include "daq/csv_text.h"
+#include "daq/direction_words.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
 #include "daq/record_rules.h"
@@ -281,8 +282,8 @@ class CsvReader {
 
   void ReadCell(const Cell& cell, CsvColumn& column) {
     if (column.is_direction) {
-      if (cell.text == "cw" || cell.text == "ccw") {
-        column.directions.push_back(cell.text == "cw" ? Direction::kClockwise : Direction::kCounterClockwise);
+      if (const std::optional<Direction> direction = DirectionOf(cell.text)) {
+        column.directions.push_back(*direction);
         return;
       }
     } else if (const std::optional<double> number = NumberFromText(cell.text)) {
@@ -296,7 +297,7 @@ class CsvReader {
     column.bad_cells.push_back({{line_number_, cell.column},
                                 cell.text.empty() ? column.name + " is empty"
                                                   : fmt::format("{} is {}", column.name, Quoted(cell.text)),
-                                column.is_direction ? "cw or ccw" : "a number"});
+                                column.is_direction ? std::string(kDirectionWords) : "a number"});
   }
 
   // Keeps the columns of one length where a cell has no value; the row is marked, so that the rules do not

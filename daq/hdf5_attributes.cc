@@ -89,6 +89,14 @@ void WriteTextAttribute(hid_t object, const std::string& name, const std::string
   WriteScalar(object, name, type.get(), type.get(), text.c_str());
 }
 
+void KeepAttributesInHeader(hid_t creation_properties, std::size_t attributes) {
+  constexpr std::size_t kLibraryKeeps = 8;
+  constexpr std::size_t kMost = 65535;
+  if (attributes <= kLibraryKeeps) return;  // a header that says nothing of it is smaller
+  const auto kept = static_cast<unsigned>(std::min(attributes, kMost));
+  Check(H5Pset_attr_phase_change(creation_properties, kept, kept));
+}
+
 void WriteSoftware(hid_t file) { WriteTextAttribute(file, kSoftwareName, std::string(Software())); }
 
 void WriteAttribute(hid_t object, const std::string& name, const std::string& text) {

@@ -17,6 +17,9 @@ struct Hdf5Attribute {
 /// Writes `text` as a double where that reads back to the same text, else as text. @throws Hdf5Error.
 void WriteAttribute(hid_t object, const std::string& name, const std::string& text);
 void WriteTextAttribute(hid_t object, const std::string& name, const std::string& text);
+/// Of an object with so many attributes: they stay in its header, whatever their number. Beyond eight the
+/// library puts them into a heap, which few other readers know.
+void KeepAttributesInHeader(hid_t creation_properties, std::size_t attributes);
 /// Of a new file, before anything else: which program writes it (`software.h`). @throws Hdf5Error.
 void WriteSoftware(hid_t file);
 

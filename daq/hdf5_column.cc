@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "daq/csv_text.h"
+#include "daq/direction_words.h"
 #include "daq/hdf5_attributes.h"
 #include "daq/hdf5_handle.h"
 #include "daq/hdf5_text.h"
@@ -41,18 +42,21 @@ struct Layout {
   hid_t file_type;
   hid_t memory_type;
   const void* values;
-  const void* fill;  // of the memory type
+  const void* fill;  // of the memory type; null: zeros
 };
 
-Hdf5Handle WriteDataset(hid_t group, const std::string& name, hsize_t rows, const Layout& layout) {
+Hdf5Handle WriteDataset(hid_t group, const Column& column, const Layout& layout) {
+  const auto rows = static_cast<hsize_t>(column.size());
   const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
   const Hdf5Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   const hsize_t chunk = std::min(rows, kMostRowsPerChunk);
   Check(H5Pset_chunk(properties.get(), 1, &chunk));
   Check(H5Pset_fletcher32(properties.get()));
-  Check(H5Pset_fill_value(properties.get(), layout.memory_type, layout.fill));
+  if (layout.fill != nullptr) Check(H5Pset_fill_value(properties.get(), layout.memory_type, layout.fill));
   Check(H5Pset_obj_track_times(properties.get(), false));  // the same record gives the same bytes
-  Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), layout.file_type, space.get(), H5P_DEFAULT,
+  constexpr std::size_t kOwnAttributes = 4;                // unit, sensor, calibration, rate
+  KeepAttributesInHeader(properties.get(), kOwnAttributes + column.calibration_terms.size());
+  Hdf5Handle dataset(H5Dcreate2(group, column.name.c_str(), layout.file_type, space.get(), H5P_DEFAULT,
                                 properties.get(), H5P_DEFAULT),
                      H5Dclose);
   Check(H5Dwrite(dataset.get(), layout.memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, layout.values));
@@ -60,16 +64,14 @@ Hdf5Handle WriteDataset(hid_t group, const std::string& name, hsize_t rows, cons
 }
 
 Hdf5Handle WriteValues(hid_t group, const Column& column) {
-  const auto rows = static_cast<hsize_t>(column.size());
   // A chunk that went missing must not read as good zeros. NaN shows in every tool.
   if (const auto* doubles = std::get_if<std::vector<double>>(&column.values)) {
     const double fill = std::numeric_limits<double>::quiet_NaN();
-    return WriteDataset(group, column.name, rows,
-                        {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, doubles->data(), &fill});
+    return WriteDataset(group, column, {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, doubles->data(), &fill});
   }
   if (const auto* floats = std::get_if<std::vector<float>>(&column.values)) {
     const float fill = std::numeric_limits<float>::quiet_NaN();
-    return WriteDataset(group, column.name, rows, {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, floats->data(), &fill});
+    return WriteDataset(group, column, {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, floats->data(), &fill});
   }
   const auto& directions = std::get<std::vector<Direction>>(column.values);
   std::vector<std::array<char, kDirectionWidth>> texts;
@@ -78,9 +80,9 @@ Hdf5Handle WriteValues(hid_t group, const Column& column) {
     texts.push_back(direction == Direction::kClockwise ? std::array{'c', 'w', '\0'}
                                                        : std::array{'c', 'c', 'w'});
   }
-  const std::array<char, kDirectionWidth> fill{};
+  // netCDF crashes on a fill value of a text, even of zeros (findings/netcdf-text-fill.sh).
   const Hdf5Handle type = CreateDirectionType();
-  return WriteDataset(group, column.name, rows, {type.get(), type.get(), texts.data(), &fill});
+  return WriteDataset(group, column, {type.get(), type.get(), texts.data(), nullptr});
 }
 
 // Reading a part of a dataset that was never written gives its fill value, zeros as a rule: invented data.
@@ -151,20 +153,10 @@ std::optional<std::size_t> RowsOf(hid_t space) {
   return static_cast<std::size_t>(rows);
 }
 
-std::optional<Direction> DirectionOf(double number) {
-  if (number == 1.0) return Direction::kClockwise;
-  if (number == -1.0) return Direction::kCounterClockwise;
-  return std::nullopt;
-}
-
-std::optional<Direction> DirectionOf(const std::string& text) {
-  if (text == "cw") return Direction::kClockwise;
-  if (text == "ccw") return Direction::kCounterClockwise;
-  return std::nullopt;
-}
-
-std::optional<Direction> DirectionOf(const NamedValue& value) {
-  const std::optional<Direction> by_name = DirectionOf(value.name);
+std::optional<Direction> DirectionIn(double number) { return DirectionOf(number); }
+std::optional<Direction> DirectionIn(const std::string& text) { return DirectionOf(std::string_view(text)); }
+std::optional<Direction> DirectionIn(const NamedValue& value) {
+  const std::optional<Direction> by_name = DirectionOf(std::string_view(value.name));
   return by_name ? by_name : DirectionOf(static_cast<double>(value.number));
 }
 
@@ -179,11 +171,11 @@ void TakeDirections(const std::vector<Value>& values, ReadColumnResult& result) 
   std::vector<Direction> directions;
   directions.reserve(values.size());
   for (std::size_t row = 0; row < values.size(); ++row) {
-    const std::optional<Direction> direction = DirectionOf(values[row]);
+    const std::optional<Direction> direction = DirectionIn(values[row]);
     directions.push_back(direction.value_or(Direction::kClockwise));
     if (direction || result.troubles.size() >= kMostTroubles) continue;
-    result.troubles.push_back(
-        {row, fmt::format("{} is {}", result.column.name, Describe(values[row])), "cw or ccw, or 1 or -1"});
+    result.troubles.push_back({row, fmt::format("{} is {}", result.column.name, Describe(values[row])),
+                               std::string(kDirectionWords)});
   }
   result.column.values = std::move(directions);
 }

@@ -27,7 +27,7 @@ struct ColumnTrouble {
 enum class ColumnType { kDouble, kFloatIfStoredSo, kDirection };
 
 /// Reads a dataset of one dimension (or of more, if all but one have length 1, as MATLAB writes) of floats,
-/// integers, or, for a direction, of "cw" and "ccw" as text or enumeration, or of 1 and -1.
+/// integers, or, for a direction, of words as text or enumeration, or of 1 and -1 (direction_words.h).
 /// Trouble instead of values where it cannot: another type, values that were never written, a checksum that
 /// does not match, a compression that this HDF5 does not have.
 struct ReadColumnResult {

@@ -48,7 +48,7 @@ void DemandWritable(const Record& record, const std::string& path) {
 
 // Each group on the way is made here and not by the library, which would note the time of day in those
 // between.
-Hdf5Handle OpenOrCreateGroup(hid_t file, const std::string& path) {
+Hdf5Handle OpenOrCreateGroup(hid_t file, const std::string& path, std::size_t attributes) {
   const Hdf5Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   Check(H5Pset_link_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
   Check(H5Pset_attr_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
@@ -59,6 +59,7 @@ Hdf5Handle OpenOrCreateGroup(hid_t file, const std::string& path) {
     const Hdf5Handle made(H5Gcreate2(file, above.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
                           H5Gclose);
   }
+  KeepAttributesInHeader(properties.get(), attributes);
   if (path == "/") return {H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose};
   return {H5Gcreate2(file, path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose};
 }
@@ -293,7 +294,7 @@ class GroupReader {
 void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& record) {
   DemandWritable(record, group_path);
   const Hdf5Silence silence;
-  const Hdf5Handle group = OpenOrCreateGroup(file, group_path);
+  const Hdf5Handle group = OpenOrCreateGroup(file, group_path, 1 + record.metadata.size());
   WriteTextAttribute(group.get(), std::string(kKindName), std::string(record.kind.name()));
   for (const auto& [key, value] : record.metadata) WriteAttribute(group.get(), key, value);
   for (const Column& column : record.columns)

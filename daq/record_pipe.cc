@@ -243,7 +243,8 @@ ProcessLimits LimitsForFile(const std::filesystem::path& path) {
 }
 
 std::vector<Record> ReadInOwnProcess(const std::filesystem::path& path, const ProcessLimits& limits,
-                                     const std::function<std::vector<Record>()>& read) {
+                                     const std::function<std::vector<Record>()>& read,
+                                     std::string_view reader) {
   LimitedProcess process(limits, [&read](int pipe) { SendWhatIsRead(pipe, read); });
   std::vector<Finding> findings;
   std::vector<Record> records;
@@ -261,7 +262,7 @@ std::vector<Record> ReadInOwnProcess(const std::filesystem::path& path, const Pr
     if (trouble.empty()) trouble = "stopped in the middle";
   }
   if (!trouble.empty()) {
-    throw RecordError(path.string(), fmt::format("the HDF5 library cannot read the file: it {}", trouble),
+    throw RecordError(path.string(), fmt::format("{} cannot read the file: it {}", reader, trouble),
                       "the file as it was written");
   }
   if (!findings.empty()) throw RecordError(std::move(findings));

@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 
+#include "daq/direction_words.h"
 #include "daq/joint_columns.h"
 #include "daq/kind_columns.h"
 #include "daq/value_bounds.h"
@@ -285,7 +286,7 @@ void CheckValues(const Record& record, Report& report) {
     if (is_direction != std::holds_alternative<std::vector<Direction>>(column.values) && known) {
       report.Add({Level::kColumn, column.name},
                  fmt::format("{} holds {}", column.name, is_direction ? "numbers" : "directions"),
-                 is_direction ? "cw or ccw" : "numbers");
+                 is_direction ? std::string(kDirectionWords) : "numbers");
       continue;
     }
     if (!known && !TakesFurtherChannels(record.kind)) continue;

@@ -17,6 +17,7 @@ void AddValidate(CLI::App& app, Action& action);
 void AddRun(CLI::App& app, Action& action);
 void AddDevices(CLI::App& app, Action& action);
 void AddBench(CLI::App& app, Action& action);
+void AddDriveProfile(CLI::App& app, Action& action);
 void AddStatus(CLI::App& app, Action& action);
 void AddServe(CLI::App& app, Action& action);
 void AddAlarms(CLI::App& app, Action& action);

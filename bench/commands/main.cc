@@ -65,6 +65,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddRun(app, action);
   strainwave::bench::AddDevices(app, action);
   strainwave::bench::AddBench(app, action);
+  strainwave::bench::AddDriveProfile(app, action);
   strainwave::bench::AddStatus(app, action);
   strainwave::bench::AddServe(app, action);
   strainwave::bench::AddUsers(app, action);

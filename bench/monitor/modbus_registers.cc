@@ -33,6 +33,7 @@ std::vector<std::uint16_t> ModbusRegisters(const MonitorState& state, const Moni
   all[1] = Code(status);
   Put(all.subspan(8), good || status == ValueStatus::kOutsideTraining ? state.last->distance : kNone);
   all[11] = Code(frame.outputs.size());
+  all[13] = Code(now_ms / 1000 & 0xFFFF);
   if (state.last) {
     all[2] = Code(state.last->alarm);
     all[3] = state.last->fault ? Code(state.last->fault->kind) : Code(0);

@@ -20,6 +20,8 @@ namespace strainwave::bench {
 ///    8  distance from the training, float (above 1: outside; also while the status is 4)
 ///   10  age of the values in seconds, at most 65535
 ///   11  number of outputs
+///   12  of classes: the likeliest, from 1; else 0
+///   13  seconds since 1970, their low 16 bits: counts on as long as anybody answers, whatever the windows do
 ///   20 + 8 k, for output k in the predictor's order:
 ///        0 value, float; 2 low, float; 4 high, float; 6 alarm; 7 status
 std::vector<std::uint16_t> ModbusRegisters(const MonitorState& state, const MonitorFrame& frame,

@@ -56,7 +56,7 @@ class Graph {
     value.set_name(name);
     auto& tensor = *value.mutable_type()->mutable_tensor_type();
     tensor.set_elem_type(onnx::TensorProto::FLOAT);
-    tensor.mutable_shape()->add_dim()->set_dim_value(1);
+    tensor.mutable_shape()->add_dim()->set_dim_param("records");
     tensor.mutable_shape()->add_dim()->set_dim_value(columns);
   }
 
@@ -143,7 +143,8 @@ class MemberWriter {
 
   void MakeImage() {
     if (is_image_) return;
-    graph_.Integers(Name("shape"), {1, stage_->input.channels, 1, stage_->input.length});
+    constexpr std::int64_t kAsManyAsThereAre = -1;
+    graph_.Integers(Name("shape"), {kAsManyAsThereAre, stage_->input.channels, 1, stage_->input.length});
     graph_.Node("Reshape", {at_, Name("shape")}, Name("image"));
     at_ = Name("image");
     is_image_ = true;

@@ -15,12 +15,13 @@ using OnnxMetadata = std::vector<std::pair<std::string, std::string>>;
 inline constexpr int kOnnxOpset = 13;
 
 /// The bytes of an ONNX model of that opset, float32, that needs nothing beside it but the features:
-///   input  `features`   1 × inputs, unscaled;
-///   output `prediction` 1 × outputs, in the outputs' units, the mean of the networks;
-///   output `half_width` 1 × outputs, of the interval about it;
-///   where classes are predicted, in place of these two: `probability` 1 × classes, the mean of the networks;
-///   output `distance`   1 × 1, above 1 when the record lies outside what was trained on.
-/// The batch is one record: readers that size their memory beforehand (OpenCV 4.6) refuse an open one.
+///   input  `features`   records × inputs, unscaled;
+///   output `prediction` records × outputs, in the outputs' units, the mean of the networks;
+///   output `half_width` records × outputs, of the interval about it;
+///   where classes are predicted, in place of these two: `probability` records × classes, the mean of the
+///   networks; output `distance`   records × 1, above 1 when the record lies outside what was trained on.
+/// How many records come together is left open. For readers that size their memory beforehand and refuse that
+/// (OpenCV 4.6), `OnnxNetwork` sets it to one.
 ///
 /// @throws std::invalid_argument if there is no network.
 ///

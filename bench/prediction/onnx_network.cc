@@ -33,10 +33,11 @@ constexpr std::int64_t kMostValues = std::int64_t{1} << 26;
 
 void RequireShape(const onnx::ValueInfoProto& value, std::string_view name, std::int64_t columns) {
   const auto& shape = value.type().tensor_type().shape();
-  if (value.name() != name || shape.dim_size() != 2 || shape.dim(0).dim_value() != 1 ||
-      shape.dim(1).dim_value() != columns ||
+  // Files of earlier versions are of one record; others leave open how many.
+  const bool fits = shape.dim_size() == 2 && (!shape.dim(0).has_dim_value() || shape.dim(0).dim_value() == 1);
+  if (value.name() != name || !fits || shape.dim(1).dim_value() != columns ||
       value.type().tensor_type().elem_type() != onnx::TensorProto::FLOAT) {
-    Refuse(fmt::format("has '{}' where '{}' of 1 × {} should be", value.name(), name, columns));
+    Refuse(fmt::format("has '{}' where '{}' of records × {} should be", value.name(), name, columns));
   }
 }
 
@@ -94,8 +95,9 @@ std::vector<cv::String> OutputNames(OnnxNetwork::Predicts predicts) {
   return {"prediction", "half_width", "distance"};
 }
 
-void RequireOurs(const std::string& bytes, std::int64_t inputs, std::int64_t outputs,
-                 const std::vector<cv::String>& names) {
+// The same file with one record, as OpenCV 4.6 takes it.
+std::string RequireOurs(const std::string& bytes, std::int64_t inputs, std::int64_t outputs,
+                        const std::vector<cv::String>& names) {
   onnx::ModelProto model;
   if (!model.ParseFromString(bytes)) Refuse("cannot be parsed");
   const onnx::GraphProto& graph = model.graph();
@@ -109,6 +111,12 @@ void RequireOurs(const std::string& bytes, std::int64_t inputs, std::int64_t out
   }
   for (const onnx::TensorProto& tensor : graph.initializer()) RequireWhole(tensor);
   RequireOrder(graph);
+  const auto set_one = [](onnx::ValueInfoProto& value) {
+    value.mutable_type()->mutable_tensor_type()->mutable_shape()->mutable_dim(0)->set_dim_value(1);
+  };
+  set_one(*model.mutable_graph()->mutable_input(0));
+  for (onnx::ValueInfoProto& output : *model.mutable_graph()->mutable_output()) set_one(output);
+  return model.SerializeAsString();
 }
 
 }  // namespace
@@ -124,11 +132,11 @@ OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::I
                          Predicts predicts)
     : net_(std::make_unique<Net>()), inputs_(inputs), outputs_(outputs) {
   net_->names = OutputNames(predicts);
-  RequireOurs(bytes, inputs, outputs, net_->names);
+  const std::string of_one_record = RequireOurs(bytes, inputs, outputs, net_->names);
   // What it has to say comes as an exception, too.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   try {
-    net_->net = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
+    net_->net = cv::dnn::readNetFromONNX(of_one_record.data(), of_one_record.size());
     net_->features = cv::Mat::zeros(1, static_cast<int>(inputs), CV_32F);
     net_->net.setInput(net_->features, "features");
     net_->net.forward(net_->results, net_->names);

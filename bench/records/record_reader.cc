@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/records/record_reader.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "bench/records/map_file.h"
@@ -13,21 +15,25 @@ namespace {
 
 std::vector<daq::Record> InOwnProcess(const std::filesystem::path& path,
                                       const std::function<daq::Record()>& read) {
-  return daq::ReadInOwnProcess(path, daq::LimitsForFile(path), [&] {
-    std::vector<daq::Record> records;
-    records.push_back(read());
-    return records;
-  });
+  const std::string reader = fmt::format("the reader for {}", daq::NameOf(daq::ForeignFormatOf(path)));
+  return daq::ReadInOwnProcess(
+      path, daq::LimitsForFile(path),
+      [&] {
+        std::vector<daq::Record> records;
+        records.push_back(read());
+        return records;
+      },
+      reader);
 }
 
 daq::Record ReadByOwnNames(const std::filesystem::path& path) {
-  const daq::ForeignFile file = daq::ReadForeignFile(path);
+  daq::ForeignFile file = daq::ReadForeignFile(path);
   const std::optional<daq::RecordMap> map = daq::OwnNames(file);
   if (!map)
     throw daq::RecordError(
         path.string(), fmt::format("is {}, which does not say what its series mean", file.format),
         fmt::format("--map FILE; strainwave convert {} --preview shows what is in it", path.string()));
-  return daq::MapRecord(file, *map, path.string());
+  return daq::MapRecord(std::move(file), *map, path.string());
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ ForeignFile ReadAudioFile(const std::filesystem::path& path) {
   for (std::size_t c = 0; c < channels; ++c)
     file.channels.push_back({.name = std::to_string(c + 1),
                              .unit = floats ? "" : "full scale",
-                             .values = std::vector<double>(frames),
+                             .values = {},
                              .words = {},
                              .sample_rate_hz = info.samplerate});
   constexpr std::size_t kTogether = 8192;
@@ -86,7 +86,7 @@ ForeignFile ReadAudioFile(const std::filesystem::path& path) {
                         fmt::format("the file is cut off: {} of {} samples are there", at, frames),
                         "a whole file");
     for (std::size_t i = 0; i < static_cast<std::size_t>(got); ++i) {
-      for (std::size_t c = 0; c < channels; ++c) file.channels[c].values[at + i] = block[i * channels + c];
+      for (std::size_t c = 0; c < channels; ++c) file.channels[c].values.push_back(block[i * channels + c]);
     }
     at += static_cast<std::size_t>(got);
   }

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
 #include <optional>
 #include <string_view>
+#include <unordered_map>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "daq/csv_text.h"
 #include "daq/import/foreign_file.h"
+#include "daq/import/mapped_file.h"
 #include "daq/import/tdms_types.h"
+#include "daq/import/tdms_values.h"
 #include "daq/record.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
-#include "daq/whole_file.h"
 
 // Segments, each with what is new in it and then numbers. Source: docs/sources.md#tdms.
 namespace strainwave::daq {
@@ -31,6 +33,7 @@ struct Object {
   std::uint32_t type{};
   std::uint64_t count{};  // of values in a chunk
   bool has_index{};
+  bool is_in_order{};  // its values are in a chunk
   std::map<std::string, Property> properties;
   std::vector<double> values;
 };
@@ -38,7 +41,7 @@ struct Object {
 class TdmsReader {
  public:
   explicit TdmsReader(const std::filesystem::path& path)
-      : path_(path.string()), bytes_(ReadWholeFile(path)) {}
+      : path_(path.string()), mapped_(path), bytes_(mapped_.text()) {}
 
   ForeignFile Read() {
     file_.format = "TDMS";
@@ -74,43 +77,19 @@ class TdmsReader {
   std::string TakeText() {
     const auto length = Take<std::uint32_t>();
     if (bytes_.size() - at_ < length) RefuseCutOff();
-    std::string text = bytes_.substr(at_, length);
+    std::string text(bytes_.substr(at_, length));
     at_ += length;
     return text;
   }
   double TakeNumber(std::uint32_t type) {
-    switch (type) {
-      case kInt8:
-        return Take<std::int8_t>();
-      case kInt16:
-        return Take<std::int16_t>();
-      case kInt32:
-        return Take<std::int32_t>();
-      case kInt64:
-        return static_cast<double>(Take<std::int64_t>());
-      case kUint8:
-      case kBoolean:
-        return Take<std::uint8_t>();
-      case kUint16:
-        return Take<std::uint16_t>();
-      case kUint32:
-        return Take<std::uint32_t>();
-      case kUint64:
-        return static_cast<double>(Take<std::uint64_t>());
-      case kSingle:
-      case kSingleWithUnit:
-        return static_cast<double>(Take<float>());
-      case kDouble:
-      case kDoubleWithUnit:
-        return Take<double>();
-      case kTimeStamp: {  // seconds since 1904, and 2⁻⁶⁴ of one
-        const auto fraction = Take<std::uint64_t>();
-        const auto seconds = Take<std::int64_t>();
-        return static_cast<double>(seconds) + std::ldexp(static_cast<double>(fraction), -64);
-      }
-      default:
-        Refuse(fmt::format("a number of type {}", type), "an integer, a float, a boolean or a time");
-    }
+    const std::size_t width = WidthOf(type);
+    if (width == 0)
+      Refuse(fmt::format("a number of type {}", type), "an integer, a float, a boolean or a time");
+    if (bytes_.size() - at_ < width) RefuseCutOff();
+    std::vector<double> number;
+    AppendNumbers(type, big_endian_, bytes_.data() + at_, width, 1, number);
+    at_ += width;
+    return number.front();
   }
 
   void ReadSegment() {
@@ -118,7 +97,7 @@ class TdmsReader {
     const std::size_t lead = at_;
     big_endian_ = false;
     if (bytes_.size() - at_ < 28) RefuseCutOff();
-    if (std::string_view(bytes_).substr(at_, 4) != "TDSm") Refuse("no segment begins here", "TDSm");
+    if (bytes_.substr(at_, 4) != "TDSm") Refuse("no segment begins here", "TDSm");
     at_ += 4;
     const auto contents = Take<std::uint32_t>();
     const auto bit = [contents](unsigned n) { return (contents >> n & 1U) != 0; };
@@ -138,7 +117,10 @@ class TdmsReader {
           fmt::format("segment {} at byte {} was not finished by its writer; its whole values are taken",
                       segments_, lead));
     if (bit(7)) RefuseDaqmx();
-    if (bit(2) || order_.empty()) order_.clear();
+    if (bit(2)) {
+      for (const std::size_t o : order_) objects_[o].is_in_order = false;
+      order_.clear();
+    }
     if (bit(1)) ReadObjects();
     at_ = body + static_cast<std::size_t>(raw);
     if (bit(3)) ReadValues(end, bit(5), unfinished);
@@ -193,14 +175,13 @@ class TdmsReader {
   }
 
   std::size_t ObjectOf(const std::string& path) {
-    const auto found = std::ranges::find(objects_, path, &Object::path);
-    if (found != objects_.end()) return static_cast<std::size_t>(found - objects_.begin());
-    objects_.push_back(
-        {.path = path, .type = 0, .count = 0, .has_index = false, .properties = {}, .values = {}});
-    return objects_.size() - 1;
+    const auto [found, is_new] = by_path_.try_emplace(path, objects_.size());
+    if (is_new) objects_.emplace_back().path = path;
+    return found->second;
   }
   void PutInOrder(std::size_t object) {
-    if (std::ranges::find(order_, object) == order_.end()) order_.push_back(object);
+    if (std::exchange(objects_[object].is_in_order, true)) return;
+    order_.push_back(object);
   }
 
   // Chunks until the end of the segment, each with the values of all channels one after the other, or in
@@ -212,6 +193,10 @@ class TdmsReader {
         Refuse(fmt::format("{} values of a channel", objects_[o].count),
                fmt::format("{} at most", kMostValues));
       chunk += objects_[o].count * WidthOf(objects_[o].type);
+      if (interleaved && objects_[o].count != objects_[order_.front()].count)
+        Refuse(fmt::format("channels with {} and {} values in turn", objects_[order_.front()].count,
+                           objects_[o].count),
+               "channels of one length");
     }
     if (chunk == 0) return;
     while (at_ < end) {
@@ -225,7 +210,7 @@ class TdmsReader {
         return;
       }
       if (interleaved) {
-        ReadInterleaved(order_.empty() ? 0 : static_cast<std::size_t>(objects_[order_.front()].count));
+        ReadInterleaved(static_cast<std::size_t>(objects_[order_.front()].count));
         continue;
       }
       for (const std::size_t o : order_) Append(objects_[o]);
@@ -245,22 +230,22 @@ class TdmsReader {
 
   void ReadInterleaved(std::size_t rows) {
     CountValues(rows * order_.size());
-    for (std::size_t r = 0; r < rows; ++r) {
-      for (const std::size_t o : order_) objects_[o].values.push_back(TakeNumber(objects_[o].type));
+    const std::size_t row_bytes = RowBytes();
+    std::size_t first = at_;
+    for (const std::size_t o : order_) {
+      AppendNumbers(objects_[o].type, big_endian_, bytes_.data() + first, row_bytes, rows,
+                    objects_[o].values);
+      first += WidthOf(objects_[o].type);
     }
+    at_ += rows * row_bytes;
   }
 
   void Append(Object& object) {
     CountValues(object.count);
-    const std::size_t first = object.values.size();
-    object.values.resize(first + static_cast<std::size_t>(object.count));
-    // The commonest at the speed of copying.
-    if ((object.type == kDouble || object.type == kDoubleWithUnit) && !big_endian_) {
-      std::memcpy(object.values.data() + first, bytes_.data() + at_, object.count * sizeof(double));
-      at_ += object.count * sizeof(double);
-      return;
-    }
-    for (std::size_t i = first; i < object.values.size(); ++i) object.values[i] = TakeNumber(object.type);
+    const std::size_t width = WidthOf(object.type);
+    const auto count = static_cast<std::size_t>(object.count);
+    AppendNumbers(object.type, big_endian_, bytes_.data() + at_, width, count, object.values);
+    at_ += count * width;
   }
 
   const double* Number(const Object& object, const std::string& name) const {
@@ -325,13 +310,15 @@ class TdmsReader {
   }
 
   std::string path_;
-  std::string bytes_;
+  MappedFile mapped_;
+  std::string_view bytes_;
   std::size_t at_{};
   bool big_endian_{};
   int segments_{};
   std::size_t values_{};
   std::vector<Object> objects_;
-  std::vector<std::size_t> order_;  // of the objects in a chunk
+  std::unordered_map<std::string, std::size_t> by_path_;  // of objects
+  std::vector<std::size_t> order_;                        // of the objects in a chunk
   ForeignFile file_;
 };
 

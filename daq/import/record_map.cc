@@ -2,14 +2,15 @@
 #include "daq/import/record_map.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "daq/csv_text.h"
+#include "daq/direction_words.h"
 #include "daq/import/units.h"
 #include "daq/record_error.h"
 #include "daq/record_rules.h"
@@ -47,14 +48,16 @@ std::string NamesOf(const ForeignFile& file) {
 
 class Mapper {
  public:
-  Mapper(const ForeignFile& file, const RecordMap& map, const std::string& path)
-      : file_(file), map_(map), path_(path) {}
+  Mapper(ForeignFile file, const RecordMap& map, const std::string& path)
+      : file_(std::move(file)), map_(map), path_(path) {}
 
   Record Map() {
     record_.kind = map_.kind;
     record_.source.file = path_;
     record_.metadata = map_.metadata;
     for (const std::string& note : file_.notes) record_.notes.push_back({0, note});
+    if (map_.time) ++uses_left_[&Find(*map_.time)];
+    for (const MappedColumn& column : map_.columns) ++uses_left_[&Find(column.source)];
     if (map_.time) AddTime(*map_.time);
     for (const MappedColumn& column : map_.columns) AddColumn(column);
     if (!map_.time) AddRate();
@@ -96,6 +99,13 @@ class Mapper {
                       fmt::format("a value in every row of '{}'", channel.name));
   }
 
+  // Without a second copy, which a long record would hold beside the first.
+  std::vector<double> ValuesOf(const ForeignChannel& channel) {
+    if (--uses_left_.at(&channel) > 0) return channel.values;
+    const auto place = static_cast<std::size_t>(&channel - file_.channels.data());
+    return std::move(file_.channels[place].values);
+  }
+
   void Note(std::string text) { record_.notes.push_back({0, std::move(text)}); }
 
   UnitChange ChangeTo(const std::string& column, const MapSource& source, const ForeignChannel& channel) {
@@ -129,7 +139,7 @@ class Mapper {
       throw RecordError(source.place, fmt::format("'{}' holds words", channel.name),
                         "numbers or times of day");
     const UnitChange change = ChangeTo("time_s", source, channel);
-    std::vector<double> time_s = channel.values;
+    std::vector<double> time_s = ValuesOf(channel);
     // Times since 1970 leave a double fewer digits than samples need.
     constexpr double kSinceLongAgo_s = 1e8;
     const double start_s =
@@ -157,7 +167,7 @@ class Mapper {
     if (!channel.words.empty())
       throw RecordError(mapped.source.place, fmt::format("'{}' holds words", channel.name), "numbers");
     const UnitChange change = ChangeTo(mapped.column, mapped.source, channel);
-    std::vector<double> values = channel.values;
+    std::vector<double> values = ValuesOf(channel);
     const double scale = change.scale * mapped.factor;
     const double offset = change.offset * mapped.factor + mapped.offset;
     for (double& value : values) value = value * scale + offset;
@@ -173,7 +183,7 @@ class Mapper {
       if (!direction)
         throw RecordError(mapped.source.place,
                           fmt::format("value {} of '{}' is {}", i + 1, channel.name, Quoted(word)),
-                          "cw or ccw, forward or backward, 1 or -1");
+                          std::string(kDirectionWords));
       directions.push_back(*direction);
     }
     record_.columns.push_back({"direction", std::move(directions), "", ""});
@@ -206,7 +216,8 @@ class Mapper {
     }
   }
 
-  const ForeignFile& file_;
+  ForeignFile file_;
+  std::map<const ForeignChannel*, std::size_t> uses_left_;
   const RecordMap& map_;
   const std::string& path_;
   const ForeignChannel* rate_{};
@@ -215,8 +226,8 @@ class Mapper {
 
 }  // namespace
 
-Record MapRecord(const ForeignFile& file, const RecordMap& map, const std::string& path) {
-  return Mapper(file, map, path).Map();
+Record MapRecord(ForeignFile file, const RecordMap& map, const std::string& path) {
+  return Mapper(std::move(file), map, path).Map();
 }
 
 std::optional<RecordMap> OwnNames(const ForeignFile& file) {
@@ -266,17 +277,6 @@ std::vector<std::string> PreviewOf(const ForeignFile& file) {
   }
   for (const std::string& note : file.notes) lines.push_back(note);
   return lines;
-}
-
-std::optional<Direction> DirectionOf(std::string_view word) {
-  std::string plain(Trim(word));
-  std::ranges::transform(plain, plain.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  constexpr std::array<std::string_view, 5> kClockwise{"cw", "forward", "1", "+1", "positive"};
-  constexpr std::array<std::string_view, 5> kCounter{"ccw", "backward", "-1", "reverse", "negative"};
-  if (std::ranges::find(kClockwise, plain) != kClockwise.end()) return Direction::kClockwise;
-  if (std::ranges::find(kCounter, plain) != kCounter.end()) return Direction::kCounterClockwise;
-  return std::nullopt;
 }
 
 }  // namespace strainwave::daq

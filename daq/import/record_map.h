@@ -40,7 +40,7 @@ struct RecordMap {
 /// file and map is a note of the record.
 /// @throws RecordError, at the place in the mapping file: a channel that is not there (with those that are),
 /// or there twice; a unit that does not fit; series of different lengths; a cell that is no value.
-Record MapRecord(const ForeignFile& file, const RecordMap& map, const std::string& path);
+Record MapRecord(ForeignFile file, const RecordMap& map, const std::string& path);
 
 /// The map by which a file is read that names its columns as records do: `time_s`, `torque_Nm`, and has
 /// `kind` among its metadata. Nothing where it does not.
@@ -48,8 +48,5 @@ std::optional<RecordMap> OwnNames(const ForeignFile& file);
 
 /// What was understood, for people: format, each series with unit, rate and first values, what was left out.
 std::vector<std::string> PreviewOf(const ForeignFile& file);
-
-/// cw, CW, forward, +1 and ccw, backward, −1.
-std::optional<Direction> DirectionOf(std::string_view word);
 
 }  // namespace strainwave::daq

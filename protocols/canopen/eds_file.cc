@@ -251,6 +251,7 @@ class EdsReader {
 
   EdsObject ReadValue(const IniSection& section, bool domain) {
     EdsObject object;
+    object.line = section.line;
     if (const IniValue* name = section.Find("parametername")) object.name = Printable(name->text);
     ReadType(section, domain, object);
     ReadAccess(section, domain, object);
@@ -265,7 +266,10 @@ class EdsReader {
     };
     auto initial = number("DefaultValue", object.default_value);
     // A DCF file says with it what this one node is set to.
-    if (section.Find("parametervalue") != nullptr) initial = number("ParameterValue", object.default_value);
+    if (section.Find("parametervalue") != nullptr) {
+      initial = number("ParameterValue", object.default_value);
+      object.is_set_for_node = !object.default_value.empty();
+    }
     const auto low = number("LowLimit", object.low_limit);
     const auto high = number("HighLimit", object.high_limit);
     bool is_contradiction = false;

@@ -24,6 +24,8 @@ struct EdsObject {
   std::string high_limit;
   /// Why its type or access cannot be told, for whoever needs the object; empty as a rule.
   std::string unclear{};
+  int line{};              // of its section in the file
+  bool is_set_for_node{};  // a DCF file: `default_value` is what this one node is set to
 };
 
 /// What a drive's maker says of it (CiA 306): identity and object dictionary.

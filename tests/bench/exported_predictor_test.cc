@@ -128,7 +128,7 @@ TEST_F(AnExportedFolder, IsRefusedWithANetworkOfAnotherShape) {
   });
   EXPECT_EQ(
       Refusal(),
-      "model.onnx: error: the ONNX file has 'prediction' where 'prediction' of 1 × 3 should be (expected one "
+      "model.onnx: error: the ONNX file has 'prediction' where 'prediction' of records × 3 should be (expected one "
       "that `strainwave export` wrote)");
 }
 

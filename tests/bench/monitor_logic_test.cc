@@ -140,6 +140,7 @@ TEST(ModbusRegisters, HoldTheTableOfTheDocument) {
   EXPECT_EQ(FloatAt(registers, 8), 0.5F);
   EXPECT_EQ(registers[10], 3);
   EXPECT_EQ(registers[11], 2);
+  EXPECT_EQ(registers[13], 1005);
   EXPECT_EQ(FloatAt(registers, 20), 2.5F);
   EXPECT_EQ(FloatAt(registers, 22), 2.0F);
   EXPECT_EQ(FloatAt(registers, 24), 3.0F);
@@ -147,6 +148,14 @@ TEST(ModbusRegisters, HoldTheTableOfTheDocument) {
   EXPECT_EQ(registers[27], 1);
   EXPECT_EQ(FloatAt(registers, 28), 1.0F);
   EXPECT_EQ(registers[34], 0);
+}
+
+TEST(ModbusRegisters, HaveACounterThatRunsWhateverTheWindowsDo) {
+  for (const MonitorState& state : {MonitorState{}, Good(), Clipped()}) {
+    for (const std::int64_t second : {65'534, 65'535, 65'536, 131'072}) {
+      EXPECT_EQ(ModbusRegisters(state, kFrame, second * 1000 + 999)[13], second % 65'536);
+    }
+  }
 }
 
 // Of two classes with the probabilities 0.25 and 0.75.

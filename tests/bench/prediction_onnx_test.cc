@@ -113,14 +113,14 @@ std::string RefusalOf(const std::string& bytes, Eigen::Index inputs = 12, Eigen:
 TEST(OnnxNetwork, RefusesAFileOfAnotherShape) {
   const std::string bytes = OnnxBytes(Dense(2), {});
   EXPECT_EQ(RefusalOf(bytes), "accepted");
-  EXPECT_EQ(
-      RefusalOf(bytes, 13),
-      "the ONNX file has 'features' where 'features' of 1 × 13 should be (expected one that `strainwave "
-      "export` wrote)");
-  EXPECT_EQ(
-      RefusalOf(bytes, 12, 4),
-      "the ONNX file has 'prediction' where 'prediction' of 1 × 4 should be (expected one that `strainwave "
-      "export` wrote)");
+  EXPECT_EQ(RefusalOf(bytes, 13),
+            "the ONNX file has 'features' where 'features' of records × 13 should be (expected one that "
+            "`strainwave "
+            "export` wrote)");
+  EXPECT_EQ(RefusalOf(bytes, 12, 4),
+            "the ONNX file has 'prediction' where 'prediction' of records × 4 should be (expected one that "
+            "`strainwave "
+            "export` wrote)");
   EXPECT_EQ(RefusalOf("not onnx"),
             "the ONNX file cannot be parsed (expected one that `strainwave export` wrote)");
   EXPECT_EQ(RefusalOf(""),

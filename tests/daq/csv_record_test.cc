@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include "daq/value_bounds.h"
 #include "tests/daq/csv_sample.h"
 
@@ -24,6 +26,22 @@ TEST(CsvRecord, ReadsBothDirectionsOfASweepInAnyColumnOrder) {
   EXPECT_EQ(record.Directions("direction")[1], Direction::kCounterClockwise);
   EXPECT_EQ(record.Doubles("input_angle_deg")[1], 80.5);
   EXPECT_EQ(record.columns.front().name, "output_angle_deg");
+}
+
+TEST(CsvRecord, ReadsTheWordsForDirectionsThatOthersUse) {
+  for (const auto& [cw, ccw] : {std::pair("cw", "ccw"),
+                                {"CW", "CCW"},
+                                {"forward", "backward"},
+                                {"1", "-1"},
+                                {"+1", "-1.0"},
+                                {"Positive", "negative"}}) {
+    const std::string rows = fmt::format("{},0,1\n{},80,2\n{},81,3\n", cw, ccw, cw);
+    const Record record = ParseCsvRecord(
+        "# kind: transmission_error\ndirection,input_angle_deg,output_angle_deg\n" + rows, "r.csv");
+    EXPECT_EQ(record.Directions("direction")[0], Direction::kClockwise) << cw;
+    EXPECT_EQ(record.Directions("direction")[1], Direction::kCounterClockwise) << ccw;
+    EXPECT_EQ(record.Directions("direction")[2], Direction::kClockwise) << cw;
+  }
 }
 
 TEST(CsvRecord, ReadsMotionOfARotaryAndOfALinearAxis) {
@@ -140,10 +158,11 @@ INSTANTIATE_TEST_SUITE_P(
             "MetadataOnly", "# kind: hysteresis\n",
             "r.csv:2:1: error: the header line is missing (expected the names of the columns, with commas "
             "between)"},
-        BadText{"Direction", kSweep + "cw,1,2\nclockwise,1,2\n",
-                "r.csv:4:1: error: direction is 'clockwise' (expected cw or ccw)"},
-        BadText{"DirectionInCapitals", kSweep + "CW,1,2\n",
-                "r.csv:3:1: error: direction is 'CW' (expected cw or ccw)"},
+        BadText{
+            "Direction", kSweep + "cw,1,2\nclockwise,1,2\n",
+            "r.csv:4:1: error: direction is 'clockwise' (expected cw or ccw, forward or backward, 1 or -1)"},
+        BadText{"DirectionThatIsNoNumberOfOne", kSweep + "2,1,2\n",
+                "r.csv:3:1: error: direction is '2' (expected cw or ccw, forward or backward, 1 or -1)"},
         BadText{"KneesOutOfOrder", Replaced(kLoop, "t1_Nm: 7", "t1_Nm: 26"),
                 "r.csv:2:10: error: t1_Nm = 26 is not below t2_Nm = 25 (expected 0 < t1_Nm < t2_Nm < t3_Nm)"},
         BadText{"PeakBelowKnee", Replaced(kLoop, "t1_Nm: 7", "t3_Nm: 20"),

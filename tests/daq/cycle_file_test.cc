@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daq/cycle_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,6 +35,30 @@ TEST(CycleFile, IsBuiltBesideAnother) {
   const Hdf5Handle one = CreateHdf5InMemory();
   const Hdf5Handle other = CreateHdf5InMemory();
   EXPECT_EQ(ImageOfHdf5(one.get()), ImageOfHdf5(other.get()));
+}
+
+// A heap of attributes, which readers of others do not know, has bytes beside the object's header.
+TEST(CycleFile, KeepsAttributesWhereOtherReadersFindThem) {
+  Record record = SampleVibration();
+  for (int i = 0; i < 30; ++i) record.SetMetadata(fmt::format("key_{}", i), "text");
+  record.columns.front().calibration = "T-1";
+  record.columns.front().calibration_terms = {{"sensitivity", "0.01"},
+                                              {"zero", "0"},
+                                              {"polynomial", "0 1"},
+                                              {"calibration_date", "2026-01-01"},
+                                              {"calibration_due", "2027-01-01"}};
+  const ScratchFolder folder;
+  WriteRecordsAtomically(folder / "a.h5", {{"accel", record}}, kAttributes);
+  EXPECT_TRUE(SameRecord(ReadCycleFile(folder / "a.h5").records[0].record, record));
+  const Hdf5Handle file = OpenHdf5ForReading(folder / "a.h5");
+  for (const auto& [object, attributes] :
+       {std::pair("/", 5), {"/accel", 32}, {"/accel/accel_x_m_per_s2", 9}}) {
+    H5O_info_t info{};
+    Check(H5Oget_info_by_name2(file.get(), object, &info, H5O_INFO_NUM_ATTRS | H5O_INFO_META_SIZE,
+                               H5P_DEFAULT));
+    EXPECT_EQ(info.num_attrs, static_cast<hsize_t>(attributes)) << object;
+    EXPECT_EQ(info.meta_size.attr.heap_size + info.meta_size.attr.index_size, 0U) << object;
+  }
 }
 
 TEST(CycleFile, ReadsBackToTheSameBits) {

@@ -104,6 +104,9 @@ f['accel_x_m_per_s2'] = np.array([1, 2], 'f4'); f['mic_Pa'] = np.array([1.5, 2.5
 TEST_F(H5pyTest, WritesDirectionsInEachWayThatWeRead) {
   for (const char* directions :
        {"np.array([b'cw', b'ccw'])", "np.array(['cw', 'ccw'], dtype=h5py.string_dtype())",
+        "np.array([b'CW', b'CCW'])", "np.array(['forward', 'backward'], dtype=h5py.string_dtype())",
+        "np.array([b'+1', b'-1'])",
+        "np.array([0, 1], dtype=h5py.enum_dtype({'Forward': 0, 'Reverse': 1}, 'i1'))",
         "np.array([1, -1], 'i1')", "np.array([1.0, -1.0])",
         "np.array([3, 9], dtype=h5py.enum_dtype({'cw': 3, 'ccw': 9}, 'i4'))",
         "np.array([1, -1], dtype=h5py.enum_dtype({'RIGHT': 1, 'LEFT': -1}, 'i2'))"}) {
@@ -153,7 +156,8 @@ TEST_F(H5pyTest, BreaksTheRulesWithGroupDatasetAndRow) {
       ErrorOf(
           "f.attrs['kind'] = 'transmission_error'\nf['direction'] = [1, 2]\nf['input_angle_deg'] = [1, 2]\n"
           "f['output_angle_deg'] = [1, 2]\nf.attrs['ratio'] = 0"),
-      "r.h5: error: group '/', dataset 'direction', row 1: direction is 2 (expected cw or ccw, or 1 or -1)\n"
+      "r.h5: error: group '/', dataset 'direction', row 1: direction is 2 (expected cw or ccw, forward or "
+      "backward, 1 or -1)\n"
       "r.h5: error: group '/', attribute 'ratio': ratio is 0 (expected a number other than zero)");
 }
 

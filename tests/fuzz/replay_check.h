@@ -1,32 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <cstdlib>
 #include <filesystem>
-#include <span>
-#include <string>
 
 #include "daq/acquisition/sources/replay_source.h"
 #include "daq/record_error.h"
-
-/// A file that stands on no disk.
-class FileInMemory {
- public:
-  explicit FileInMemory(std::span<const std::byte> bytes) : descriptor_(::memfd_create("fuzz", 0)) {
-    if (::write(descriptor_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) std::abort();
-  }
-  FileInMemory(const FileInMemory&) = delete;
-  FileInMemory& operator=(const FileInMemory&) = delete;
-  ~FileInMemory() { ::close(descriptor_); }
-
-  std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
+#include "tests/fuzz/file_in_memory.h"
 
 /// Replays a file to its end. Either it is refused in words, or its blocks fit into what its description
 /// says; those of a record also hold something, and come one after the other in count and time.

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files as instruments write them, made from the formats' descriptions by another route than the program's: MAT 5,
 UFF 58 and 58b, TDMS. Sources: docs/sources.md#mat-file, #uff, #tdms."""
+import ctypes
+import ctypes.util
 import struct
 import zlib
 
@@ -125,3 +127,23 @@ def tdms_segment(objects, chunks=1, interleaved=False, new_list=True, unfinished
     contents = 2 | (4 if new_list else 0) | (8 if raw else 0) | (32 if interleaved else 0) | (128 if daqmx else 0)
     size = 2**64 - 1 if unfinished else len(meta) + len(raw)
     return b"TDSm" + struct.pack("<IIQQ", contents, 4713, size, len(meta)) + meta + raw
+
+
+class _SoundInfo(ctypes.Structure):
+    _fields_ = [("frames", ctypes.c_int64), ("samplerate", ctypes.c_int), ("channels", ctypes.c_int), ("format", ctypes.c_int),
+                ("sections", ctypes.c_int), ("seekable", ctypes.c_int)]
+
+
+def flac(path, values, rate):
+    """24-bit whole numbers, rows of channels, as libsndfile writes them."""
+    library = ctypes.CDLL(ctypes.util.find_library("sndfile"))
+    library.sf_open.restype, library.sf_open.argtypes = ctypes.c_void_p, [ctypes.c_char_p, ctypes.c_int, ctypes.POINTER(_SoundInfo)]
+    library.sf_writef_int.restype = ctypes.c_int64
+    library.sf_writef_int.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64]
+    library.sf_close.argtypes = [ctypes.c_void_p]
+    write, flac_24 = 0x20, 0x170003
+    file = library.sf_open(str(path).encode(), write, ctypes.byref(_SoundInfo(0, rate, values.shape[1], flac_24, 0, 0)))
+    numbers = numpy.ascontiguousarray(values.astype("<i4") << 8)
+    assert library.sf_writef_int(file, numbers.ctypes.data, len(values)) == len(values)
+    library.sf_close(file)
+    return path
