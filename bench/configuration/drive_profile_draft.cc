@@ -269,11 +269,14 @@ class Draft {
     trial_.units = {1000.0, 1.0, 1.0, 1.0, 1000.0, 1.0, 1};
     trial_.limits = {1.0, 1.0, 1.0, 1.0, 1.0, 1, 1.0};
     trial_.name = "trial";
+    constexpr std::uint16_t kOfLimits[] = {0x6065, 0x6066, 0x6072, 0x607F, 0x6081, 0x6083, 0x6084, 0x6085};
     EdsFile without_limits = eds_;
     for (auto& [address, object] : without_limits.objects) {
+      if (std::ranges::find(kOfLimits, address.index) == std::end(kOfLimits)) continue;
       object.low_limit.clear();
       object.high_limit.clear();
     }
+    ChooseOptionCodes();
     const auto has = [&](std::uint16_t index) {
       const auto found = eds_.objects.lower_bound({index, 0});
       return found != eds_.objects.end() && found->first.index == index;
@@ -293,7 +296,34 @@ class Draft {
     draft_.findings = CheckProfileAgainstEds(trial_, without_limits, kNodeOfDraft);
   }
 
+  // Where the drive does not take the program's own. What is to happen when the master is gone, at a quick
+  // stop and at a fault is for a person to say.
+  void ChooseOptionCodes() {
+    const auto choose = [this](std::string_view key, std::uint16_t index, std::int16_t& code) {
+      const EdsObject* object = Find(eds_, {index, 0});
+      const auto own = ValueOf(eds_, {index, 0});
+      if (object == nullptr || !own) return;
+      const auto low = protocols::canopen::TypedEdsNumber(object->low_limit, kNodeOfDraft, object->type);
+      const auto high = protocols::canopen::TypedEdsNumber(object->high_limit, kNodeOfDraft, object->type);
+      const bool fits = (!low || code >= *low) && (!high || code <= *high);
+      const bool own_fits = *own >= -0x8000 && *own <= 0x7FFF;
+      if (fits || !own_fits) return;
+      option_codes_.emplace_back(
+          fmt::format("  {}: {}", key, *own),
+          fmt::format("{}; the program's {} is outside the file's limits", Told(eds_, {index, 0}), code));
+      code = static_cast<std::int16_t>(*own);
+    };
+    choose("shutdown", 0x605B, trial_.option_codes.shutdown);
+    choose("disable_operation", 0x605C, trial_.option_codes.disable_operation);
+    choose("halt", 0x605D, trial_.option_codes.halt);
+  }
+
   void Rest() {
+    if (!option_codes_.empty()) {
+      Line("option_codes:");
+      for (const auto& [line, comment] : option_codes_) Line(line, comment);
+      Line("");
+    }
     if (!absent_.empty() || trial_.quirks.lacks_rpdo_event_timer) {
       Line("quirks:", "what the program sets or reads at a start, and the file does not have");
       if (!absent_.empty()) {
@@ -327,6 +357,7 @@ class Draft {
   DriveProfile trial_;
   std::string expected_;
   std::vector<std::pair<std::uint16_t, std::string>> absent_;
+  std::vector<std::pair<std::string, std::string>> option_codes_;  // lines and their comments
 };
 
 }  // namespace

@@ -126,10 +126,10 @@ TEST_F(AnExportedFolder, IsRefusedWithANetworkOfAnotherShape) {
       golden["half_width"].push_back(1.0);
     }
   });
-  EXPECT_EQ(
-      Refusal(),
-      "model.onnx: error: the ONNX file has 'prediction' where 'prediction' of records × 3 should be (expected one "
-      "that `strainwave export` wrote)");
+  EXPECT_EQ(Refusal(),
+            "model.onnx: error: the ONNX file has 'prediction' where 'prediction' of records × 3 should be "
+            "(expected one "
+            "that `strainwave export` wrote)");
 }
 
 TEST_F(AnExportedFolder, IsRefusedWithNamesThatFitNoTopicOrTable) {

@@ -48,7 +48,7 @@ TEST(CycleFile, KeepsAttributesWhereOtherReadersFindThem) {
                                               {"calibration_date", "2026-01-01"},
                                               {"calibration_due", "2027-01-01"}};
   const ScratchFolder folder;
-  WriteRecordsAtomically(folder / "a.h5", {{"accel", record}}, kAttributes);
+  WriteRecordsAtomically(folder / "a.h5", std::vector<NamedRecord>{{"accel", record}}, kAttributes);
   EXPECT_TRUE(SameRecord(ReadCycleFile(folder / "a.h5").records[0].record, record));
   const Hdf5Handle file = OpenHdf5ForReading(folder / "a.h5");
   for (const auto& [object, attributes] :
