@@ -162,7 +162,7 @@ int TrainFaultModel(const FaultTrainCommand& command) {
 }
 
 // Files as they are; of folders all records below, in the order of their names.
-std::vector<fs::path> RecordFilesOf(const std::vector<std::string>& paths) {
+std::vector<fs::path> RecordFilesBelow(const std::vector<std::string>& paths) {
   std::vector<fs::path> files;
   for (const std::string& path : paths) {
     if (!fs::is_directory(path)) {
@@ -187,7 +187,7 @@ int ClassifyFaults(const FaultClassifyCommand& command) {
   FaultModel model = ReadFaultModel(command.model);
   if (!command.bearing.empty()) model.bearing = BearingOf(command.bearing);
   const RecordReader reader(command.map);
-  const std::vector<fs::path> files = RecordFilesOf(command.paths);
+  const std::vector<fs::path> files = RecordFilesBelow(command.paths);
   nlohmann::ordered_json verdicts = nlohmann::ordered_json::array();
   ShareLine line;
   std::size_t undecided = 0;
