@@ -43,15 +43,22 @@ double QuantisationStep(std::span<const double> samples, double tolerance) {
 }
 
 double QuantisationStepOfSweep(std::span<const double> samples) {
-  constexpr double kDigit =
-      1e-6;  // of a move: what a file's last digits make of equal moves is no difference
+  constexpr double kTolerance = 0.05;  // steps
+  // Of a move: what a file's last digits make of equal moves is no difference.
+  constexpr double kDigit = 1e-6;
   std::vector<double> moves;
   for (std::size_t i = 1; i < samples.size(); ++i) moves.push_back(std::abs(samples[i] - samples[i - 1]));
   if (moves.empty()) return 0.0;
   const double digit = kDigit * Median(moves);
   if (!(digit > 0.0)) return QuantisationStep(samples);
   for (double& move : moves) move = digit * std::round(move / digit);
-  return QuantisationStep(moves);
+  const double step = QuantisationStep(moves);
+  if (!(step > 0.0)) return 0.0;
+  // Moves that a harmonic makes long and short in turn differ by one amount, too, of which they are no
+  // multiples.
+  const auto whole = std::ranges::count_if(
+      moves, [&](double move) { return std::abs(std::remainder(move, step)) < kTolerance * step; });
+  return static_cast<double>(whole) > 0.9 * static_cast<double>(moves.size()) ? step : 0.0;
 }
 
 }  // namespace strainwave::analysis::samples

@@ -270,6 +270,9 @@ TEST(QuantisationStepOfSweep, IsTheStepOfAnEncoderThatMovesOnByManyOfThem) {
     coarse_deg.push_back(1e-9 * std::round(1e9 * kStep_deg * std::round(angle_deg / kStep_deg)));
   EXPECT_EQ(QuantisationStep(coarse_deg), 0.0);
   EXPECT_NEAR(QuantisationStepOfSweep(coarse_deg), kStep_deg, 1e-3 * kStep_deg);
+  std::vector<double> in_turn_deg;  // a harmonic at half the steps
+  for (int i = 0; i < 700; ++i) in_turn_deg.push_back(i + (i % 2 == 0 ? 0.0 : 0.0121));
+  EXPECT_EQ(QuantisationStepOfSweep(in_turn_deg), 0.0);
 }
 
 }  // namespace

@@ -270,57 +270,6 @@ class Audio(Import):
                          r"^a.flac: error: the file is cut off: \d+ of 9000 samples are there \(expected a whole file\)$")
 
 
-class Hostile(Import):
-    MIB = 1 << 20
-
-    def refused_in_bounds(self, path, *arguments):
-        """The message, and that neither the program nor its reader took more than the file and 300 MiB."""
-        program = ("import resource, subprocess, sys\ndone = subprocess.run(sys.argv[1:], capture_output=True, text=True)\n"
-                   "print(done.returncode, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)\n"
-                   "print(done.stderr, end='')")
-        out = self.folder / "out.csv"
-        done = subprocess.run([sys.executable, "-c", program, PROGRAM, "convert", path, "--out", out, *map(str, arguments)],
-                              capture_output=True, text=True, check=True)
-        first, _, told = done.stdout.partition("\n")
-        code, peak = map(int, first.split())
-        self.assertEqual(code, 2, told)
-        self.assertFalse(out.exists())
-        self.assertLess(peak, path.stat().st_size + 300 * self.MIB)
-        return told.replace(str(self.folder) + "/", "").strip()
-
-    def test_fifty_megabytes_in_one_line(self):
-        mapping = self.map({"accel_x_m_per_s2": {"from": "a"}}, rate="1 kHz")
-        for text, message in (("a,b\n1,2\n" + "3," * 25_000_000 + "\n", "a.csv:3:1048577: error: the line has 50000000 bytes (expected "
-                               "lines of at most 1048576)"),
-                              ("7" * 50_000_000, None), ("a;b;" * 12_500_000 + "\n1;2\n", None)):
-            told = self.refused_in_bounds(self.write("a.csv", text), "--map", mapping)
-            self.assertRegex(told, r"^a\.csv:\d+:\d+: error: [^\n]{1,400}$")
-            if message:
-                self.assertEqual(told, message)
-
-    def test_structs_in_structs_and_sizes_that_no_file_holds(self):
-        deep = numpy.arange(3.0)
-        for _ in range(300):
-            deep = {"s": deep}
-        path = files.mat5(self.folder / "a.mat", {"x": deep})
-        mapping = self.map({"accel_x_m_per_s2": {"from": "x"}}, rate="1 kHz")
-        told = self.refused_in_bounds(path, "--map", mapping)
-        self.assertRegex(told, r"^(map\.yaml:\d+:\d+|a\.mat): error: [^\n]{1,400}$")
-        whole = files.mat5(self.folder / "a.mat", {"x": numpy.arange(400.0)}).read_bytes()
-        huge = whole.replace(numpy.array([1, 400], "<i4").tobytes(), numpy.array([1, 400_000_000], "<i4").tobytes())
-        self.assertNotEqual(huge, whole)
-        told = self.refused_in_bounds(self.write("a.mat", huge), "--map", mapping)
-        self.assertRegex(told, r"^a\.mat: error: [^\n]{1,400}$")
-
-    def test_a_tdms_file_of_many_small_segments_takes_its_time_by_its_size(self):
-        objects = {f"/'m'/'{c}'": (numpy.arange(2.0), {}) for c in range(300)}
-        first = files.tdms_segment(objects)
-        again = files.tdms_segment(objects, new_list=False, same=True)
-        path = self.write("a.tdms", first + again * 300)
-        columns, _, _ = self.convert(path, "--map", self.map({"accel_x_m_per_s2": {"from": "m/299", "unit": "g"}}, rate="1 kHz"))
-        self.assertEqual(len(columns["accel_x_m_per_s2"]), 602)
-
-
 class Csv(Import):
     LOOP = [(0.0, 1.5, 0.25), (0.01, -2.125, 0.5), (0.02, 1000.5, -0.75)]
 
