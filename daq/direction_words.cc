@@ -19,9 +19,7 @@ std::optional<Direction> DirectionOf(std::string_view text) {
   if (std::ranges::find(kClockwise, plain) != kClockwise.end()) return Direction::kClockwise;
   if (std::ranges::find(kCounterClockwise, plain) != kCounterClockwise.end())
     return Direction::kCounterClockwise;
-  std::string_view number = plain;
-  if (number.starts_with("+") && !number.starts_with("+-")) number.remove_prefix(1);
-  const std::optional<double> value = NumberFromText(number);
+  const std::optional<double> value = NumberFromText(plain);
   return value ? DirectionOf(*value) : std::nullopt;
 }
 

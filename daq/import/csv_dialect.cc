@@ -181,16 +181,13 @@ std::optional<Reading> Read(const std::vector<TextLine>& lines, char separator, 
   return reading;
 }
 
-std::vector<TextLine> FirstLines(std::string_view text) {
+std::vector<TextLine> FirstLines(std::string_view text, const std::string& file) {
   std::vector<TextLine> lines;
   std::string_view rest = text;
   for (int number = 1; !rest.empty() && lines.size() < kLinesLookedAt; ++number) {
     const auto begin = static_cast<std::size_t>(rest.data() - text.data());
     const std::string_view line = TakeLine(rest).text;
-    if (line.size() > kMostLine_bytes) {
-      lines.push_back({line.substr(0, kMostLine_bytes), begin, number});
-      break;
-    }
+    DemandShort(line, file, static_cast<std::size_t>(number));
     if (!Trim(line).empty()) lines.push_back({line, begin, number});
   }
   return lines;
@@ -233,6 +230,13 @@ std::string Shown(const CsvDialect& dialect, std::string_view row) {
 }
 
 }  // namespace
+
+void DemandShort(std::string_view line, const std::string& file, std::size_t number) {
+  if (line.size() <= kMostLine_bytes) return;
+  throw RecordError(fmt::format("{}:{}:{}", file, number, kMostLine_bytes + 1),
+                    fmt::format("the line has {} bytes", line.size()),
+                    fmt::format("lines of at most {}", kMostLine_bytes));
+}
 
 std::vector<std::pair<std::string, std::size_t>> CellsOf(std::string_view line, char separator,
                                                          bool ends_with_separator) {
@@ -315,7 +319,7 @@ std::optional<double> ClockSeconds(std::string_view cell) {
 }
 
 CsvDialect FindCsvDialect(std::string_view text, const std::string& file) {
-  std::vector<TextLine> lines = FirstLines(text);
+  std::vector<TextLine> lines = FirstLines(text, file);
   std::optional<char> said;
   if (!lines.empty() && (lines[0].text.starts_with("sep=") || lines[0].text.starts_with("Sep=")) &&
       lines[0].text.size() > 4) {

@@ -30,6 +30,9 @@ struct CsvDialect {
 /// @throws RecordError where there is none, with the cause, or where there are two, with both.
 CsvDialect FindCsvDialect(std::string_view text, const std::string& file);
 
+/// @throws RecordError for a line of more than `kMostLine_bytes`.
+void DemandShort(std::string_view line, const std::string& file, std::size_t number);
+
 /// "semicolons, decimal comma, header in line 4", for people.
 std::vector<std::string> WordsOf(const CsvDialect& dialect);
 

@@ -92,10 +92,7 @@ class Table {
       std::string_view rest = part.text;
       while (!rest.empty()) {
         const Line one = TakeLine(rest);
-        if (one.text.size() > kMostLine_bytes)
-          throw RecordError(fmt::format("{}:{}:{}", file_, line + part.lines, kMostLine_bytes + 1),
-                            fmt::format("the line has {} bytes", one.text.size()),
-                            fmt::format("lines of at most {}", kMostLine_bytes));
+        DemandShort(one.text, file_, line + part.lines);
         ++part.lines;
         if (!IsBlank(one.text)) ++part.rows;
       }

@@ -290,13 +290,10 @@ class Hostile(Import):
 
     def test_fifty_megabytes_in_one_line(self):
         mapping = self.map({"accel_x_m_per_s2": {"from": "a"}}, rate="1 kHz")
-        for text, message in (("a,b\n1,2\n" + "3," * 25_000_000 + "\n", "a.csv:3:1048577: error: the line has 50000000 bytes (expected "
-                               "lines of at most 1048576)"),
-                              ("7" * 50_000_000, None), ("a;b;" * 12_500_000 + "\n1;2\n", None)):
+        for text, line, size in (("a,b\n1,2\n" + "3," * 25_000_000 + "\n", 3, 50_000_000), ("7" * 50_000_000, 1, 50_000_000),
+                                 ("a;b\n" + "1;2\n" * 1000 + "8" * 50_000_000 + ";1\n", 1002, 50_000_002)):
             told = self.refused_in_bounds(self.write("a.csv", text), "--map", mapping)
-            self.assertRegex(told, r"^a\.csv:\d+:\d+: error: [^\n]{1,400}$")
-            if message:
-                self.assertEqual(told, message)
+            self.assertEqual(told, f"a.csv:{line}:1048577: error: the line has {size} bytes (expected lines of at most 1048576)")
 
     def test_structs_in_structs_and_sizes_that_no_file_holds(self):
         deep = numpy.arange(3.0)
