@@ -11,6 +11,7 @@
 #include <system_error>
 #include <type_traits>
 
+#include "daq/large_memory.h"
 #include "daq/record_limits.h"
 
 namespace strainwave::daq {
@@ -76,7 +77,9 @@ class Receiver {
   std::vector<Value> Values() {
     const std::size_t count = Count(values_left_);
     values_left_ -= count;
-    std::vector<Value> values(count);
+    std::vector<Value> values;
+    ReserveLarge(values, count);
+    values.resize(count);
     Bytes(std::as_writable_bytes(std::span(values)));
     return values;
   }

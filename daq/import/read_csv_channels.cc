@@ -13,6 +13,7 @@
 #include "daq/import/csv_dialect.h"
 #include "daq/import/foreign_file.h"
 #include "daq/import/mapped_file.h"
+#include "daq/large_memory.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
 
@@ -52,6 +53,7 @@ class Table {
       if (dialect_.kinds[c] == CellKind::kWord) {
         channels[c].words.resize(rows_);
       } else {
+        ReserveLarge(channels[c].values, rows_);
         channels[c].values.resize(rows_);
       }
     }

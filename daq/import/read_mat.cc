@@ -10,6 +10,7 @@
 
 #include "daq/import/foreign_file.h"
 #include "daq/import/mat_handles.h"
+#include "daq/large_memory.h"
 #include "daq/record.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
@@ -145,6 +146,10 @@ class MatReader {
         continue;
       }
       values_ += count;
+      if (IsPlainVector(*variable)) {
+        ReadVector(mat.get(), name, *variable, count);
+        continue;
+      }
       if (Mat_VarReadDataAll(mat.get(), variable.get()) != 0)
         throw RecordError(path_.string(), fmt::format("variable {} cannot be read", name),
                           fmt::format("a whole file; before it {} series are whole", file_.channels.size()));
@@ -161,6 +166,22 @@ class MatReader {
       count *= variable.dims[d];
     }
     return count;
+  }
+
+  // What long series are, as a rule; needs no memory but its own.
+  static bool IsPlainVector(const matvar_t& variable) {
+    return variable.class_type == MAT_C_DOUBLE && variable.isComplex == 0 && variable.rank == 2 &&
+           (variable.dims[0] == 1 || variable.dims[1] == 1) && variable.dims[0] * variable.dims[1] > 1;
+  }
+
+  void ReadVector(mat_t* mat, const std::string& name, matvar_t& variable, std::size_t count) {
+    ForeignChannel channel{.name = name, .unit = {}, .values = {}, .words = {}};
+    ReserveLarge(channel.values, count);
+    channel.values.resize(count);
+    if (Mat_VarReadDataLinear(mat, &variable, channel.values.data(), 0, 1, static_cast<int>(count)) != 0)
+      throw RecordError(path_.string(), fmt::format("variable {} cannot be read", name),
+                        fmt::format("a whole file; before it {} series are whole", file_.channels.size()));
+    file_.channels.push_back(std::move(channel));
   }
 
   void LeaveOut(const std::string& name, const matvar_t& variable) {

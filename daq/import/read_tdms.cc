@@ -17,6 +17,7 @@
 #include "daq/import/mapped_file.h"
 #include "daq/import/tdms_types.h"
 #include "daq/import/tdms_values.h"
+#include "daq/large_memory.h"
 #include "daq/record.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
@@ -199,6 +200,11 @@ class TdmsReader {
                "channels of one length");
     }
     if (chunk == 0) return;
+    for (const std::size_t o : order_) {
+      const std::size_t chunks = (end - at_) / static_cast<std::size_t>(chunk);
+      ReserveLarge(objects_[o].values,
+                   objects_[o].values.size() + chunks * static_cast<std::size_t>(objects_[o].count));
+    }
     while (at_ < end) {
       if (end - at_ < chunk) {
         if (interleaved) ReadInterleaved((end - at_) / RowBytes());

@@ -22,7 +22,7 @@ read -ra libraries <<<"$(words_of libraries)"
 read -ra flags <<<"$(pkg-config --cflags --libs "${libraries[@]}") $(words_of flags)"
 mkdir -p "$build/$name" "$kept"
 "$clang" -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined \
-  -isystem /usr/include/hdf5/serial -I. "$target" "${sources[@]}" "${flags[@]}" -o "$build/fuzz_$name"
+  -isystem /usr/include/hdf5/serial -DSTRAINWAVE_VERSION='"fuzz"' -I. "$target" "${sources[@]}" "${flags[@]}" -o "$build/fuzz_$name"
 "$build/fuzz_$name" -max_total_time="$seconds" -max_len=4096 -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
   -artifact_prefix="$build/$name-" "$build/$name" "$kept"
 mkdir "$build/$name.merged"
