@@ -15,6 +15,10 @@ namespace strainwave::analysis {
 /// @throws std::invalid_argument for fewer samples, or where the last angle is the first.
 std::vector<double> AngleWeights(std::span<const double> angle_rad);
 
+/// The angle that the weights share out: the way of the sweep, and what the last sample lacks of a revolution
+/// that closes. Signed as the sweep turns. Errors as above.
+double WeightedAngle(std::span<const double> angle_rad);
+
 /// The step of a sweep where it moves: half of its way is made in steps of this size and more. 0 for one that
 /// does not move. However long it stands still or is slow, this is what its angles are apart.
 double UsualStep(std::span<const double> angle_rad);

@@ -58,7 +58,7 @@ bool Settled(const PreparedLoop& loop, const Branch& branch) {
 }
 
 // Mean twist at a torque over the branches of one direction: over the settled ones; else over these prolonged
-// by the level (a record that ends at zero torque); else over what there is.
+// by the level (a record that ends at zero torque); else, where none is settled, over what there is.
 Estimate MeanTwist(const PreparedLoop& loop, double level_Nm, bool rising) {
   const double window_Nm = loop.ZeroWindow_Nm();
   struct Choice {
@@ -67,9 +67,11 @@ Estimate MeanTwist(const PreparedLoop& loop, double level_Nm, bool rising) {
     double reach_Nm;
   };
   const double near_Nm = 0.02 * loop.torques.t1_Nm;
+  const bool has_settled = std::ranges::any_of(
+      loop.branches, [&](const Branch& branch) { return branch.rising == rising && Settled(loop, branch); });
   for (const Choice& choice : {Choice{true, window_Nm, near_Nm},
                                Choice{true, window_Nm + std::abs(level_Nm), std::abs(level_Nm) + near_Nm},
-                               Choice{false, window_Nm, near_Nm}}) {
+                               Choice{has_settled, window_Nm, near_Nm}}) {
     double sum = 0.0;
     double variance = 0.0;
     int count = 0;
@@ -224,8 +226,10 @@ PreparedLoop PrepareLoop(const TorsionLoop& loop, const TestTorques& torques) {
 void MeasureLoopWidth(const PreparedLoop& loop, TorsionalStiffness* result) {
   const Estimate rising = MeanTwist(loop, 0.0, true);
   const Estimate falling = MeanTwist(loop, 0.0, false);
-  result->hysteresis_rad = {falling.value - rising.value,
-                            std::hypot(rising.standard_error, falling.standard_error)};
+  // Where all samples of a line stand on one step, they agree, and are wrong together.
+  const double rounding_rad = loop.twist_noise_rad.step / std::sqrt(12.0);
+  result->hysteresis_rad = {falling.value - rising.value, Hypotenuse(rising.standard_error, rounding_rad,
+                                                                     falling.standard_error, rounding_rad)};
 
   const double level_Nm = 0.04 * loop.RatedTorque_Nm();
   const Estimate rising_up = MeanTwist(loop, level_Nm, true);
@@ -234,8 +238,9 @@ void MeasureLoopWidth(const PreparedLoop& loop, TorsionalStiffness* result) {
   const Estimate falling_down = MeanTwist(loop, -level_Nm, false);
   result->lost_motion_rad = {
       0.5 * (rising_up.value + falling_up.value - rising_down.value - falling_down.value),
-      0.5 * Hypotenuse(rising_up.standard_error, falling_up.standard_error, rising_down.standard_error,
-                       falling_down.standard_error)};
+      0.5 * std::hypot(2.0 * rounding_rad,
+                       Hypotenuse(rising_up.standard_error, falling_up.standard_error,
+                                  rising_down.standard_error, falling_down.standard_error))};
 }
 
 void CheckLoop(const PreparedLoop& loop, TorsionalStiffness* result) {

@@ -11,9 +11,8 @@
 
 #include "analysis/angle_weights.h"
 #include "analysis/arguments.h"
-#include "analysis/autocorrelation.h"
 #include "analysis/extremes_under_noise.h"
-#include "analysis/lost_motion.h"
+#include "analysis/mean_over_angle.h"
 #include "analysis/noise_level.h"
 #include "analysis/transmission_orders.h"
 #include "analysis/units.h"
@@ -132,6 +131,7 @@ bool StartsAtZero(const AngleSweep& sweep) {
 struct AnalysedSweep {
   SweepError error;
   double mean_error_rad{};  // standard error of the mean, without that of the zero
+  HarmonicFit fit;
   std::vector<std::string> notes;
   std::vector<std::size_t> lone;  // samples that stand off what the orders say, alone
   std::string hidden;             // OrderAnalysis::second_harmonic_hidden
@@ -164,11 +164,9 @@ AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t us
   const double sigma_rad = orders.fit.residual_standard_deviation;
   error.noise_rad = sigma_rad;
   const std::vector<double> weights = AngleWeights(error.output_angle_rad);
-  const double squares = std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
-  result.mean_error_rad = sigma_rad * std::sqrt(VarianceInflation(orders.fit.residuals) * squares);
-
-  error.e_avg_rad = {std::inner_product(weights.begin(), weights.end(), error.error_rad.begin(), 0.0),
-                     std::hypot(result.mean_error_rad, zeroed ? sigma_rad : 0.0)};
+  const Estimate mean_rad = MeanOverAngle({error.output_angle_rad, orders.fit});
+  result.mean_error_rad = mean_rad.standard_error;
+  error.e_avg_rad = {mean_rad.value, std::hypot(mean_rad.standard_error, zeroed ? sigma_rad : 0.0)};
 
   std::vector<double> smooth_rad(used);
   for (std::size_t i = 0; i < used; ++i) {
@@ -182,6 +180,7 @@ AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t us
   error.orders = std::move(orders.lines);
   result.notes = std::move(orders.notes);
   result.hidden = std::move(orders.second_harmonic_hidden);
+  result.fit = std::move(orders.fit);
   return result;
 }
 
@@ -231,7 +230,10 @@ TransmissionError ComputeTransmissionError(const AngleSweep& cw, const AngleSwee
     if (Direction(cw.output_angle_rad) == Direction(ccw.output_angle_rad)) {
       result.failed_checks.push_back("the cw and the ccw sweep turn the same way");
     }
-    if (const auto lost_rad = MeanDifferenceAtEqualAngle(analysed[0]->error, analysed[1]->error)) {
+    const auto curve = [](const AnalysedSweep& sweep) {
+      return MeasuredCurve{sweep.error.output_angle_rad, sweep.fit};
+    };
+    if (const auto lost_rad = MeanDifferenceAtEqualAngle(curve(*analysed[0]), curve(*analysed[1]))) {
       result.lost_motion_rad = {*lost_rad,
                                 std::hypot(analysed[0]->mean_error_rad, analysed[1]->mean_error_rad)};
     }

@@ -73,11 +73,12 @@ struct TransmissionError {
 /// engagement, 2 · ratio + 2 per output turn), each at the order where the sampling makes it appear, and
 /// every other integer order that stands out of the noise (false in one record of a hundred).
 ///
-/// Means are over the angle, by the trapezoid rule (`angle_weights.h`): rows of a sweep that is sampled in
-/// time lie closer together wherever it is slow, and standing still is no part of it.
+/// Means are over the angle (`mean_over_angle.h`): the harmonics' integral, and the trapezoid rule for what
+/// they leave. Rows of a sweep that is sampled in time lie closer together wherever it is slow, and standing
+/// still is no part of it.
 ///
 /// Standard errors. The noise σ is the residual of that regression, with its degrees of freedom and its
-/// autocorrelation. e_avg: σ √∑w², σ/√n for even steps; if the angles are zero at the first sample
+/// autocorrelation. e_avg: about σ √∑w², σ/√n for even steps; if the angles are zero at the first sample
 /// of either sweep, the noise of that one sample shifts all others, of both sweeps, and is added. e_max: root
 /// of the mean square by which max − min under noise σ differs from max − min of the fitted curve, from the
 /// distributions of the largest and the smallest of n independent normal values. Lost motion: both sweeps'

@@ -179,8 +179,9 @@ class Study {
   /// does not.
   virtual double Rounding() const { return 0.0; }
 
-  /// Weight of each sample from the start, in (0, 1]: the noise's variance over the variance that is expected
-  /// there, where the study knows of errors that come and go. Empty: all count alike.
+  /// Weight of each sample from the start, above 0: the noise's variance over the variance that is expected
+  /// there, where the study knows of errors that come and go, or of noise that is larger in one part than in
+  /// another. Empty: all count alike.
   virtual std::span<const double> Weights() const { return {}; }
 
   /// Variance of the noise, SI², that a low-pass of the study's own took from the response: added again to

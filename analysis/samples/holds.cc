@@ -63,8 +63,13 @@ std::vector<Frozen> LeftByAJump(std::span<const double> values) {
     beside[one.first] = true;
     if (one.first + one.count < values.size()) beside[one.first + one.count] = true;
   }
+  // To or from a single value that stands off its neighbours there is none.
   const auto change = [&](std::size_t i) {
-    return i > 0 && i < values.size() ? std::abs(values[i] - values[i - 1]) : 0.0;
+    if (i == 0 || i >= values.size()) return 0.0;
+    double least = std::abs(values[i] - values[i - 1]);
+    if (i > 1) least = std::min(least, std::abs(values[i] - values[i - 2]));
+    if (i + 1 < values.size()) least = std::min(least, std::abs(values[i + 1] - values[i - 1]));
+    return least;
   };
   double largest = 0.0;
   for (std::size_t i = 1; i < values.size(); ++i) {
@@ -179,9 +184,13 @@ std::vector<Frozen> FindFrozen(std::span<const double> values) {
   const std::optional<double> repeat = ChanceOfRepeat(values);
   if (!repeat) return LeftByAJump(values);
   std::vector<Run> segments = RunsOf(values);
+  const std::vector<Frozen> jumped = LeftByAJump(values);
   std::erase_if(segments, [&, ends = EndsOf(values)](const Run& run) {
     const double value = values[run.first];
-    return value == ends.low || value == ends.high || ChanceOf(run, *repeat, values.size()) >= kNever;
+    // A signal comes back into its range as it left it, one that stood still meanwhile does not.
+    const bool clipped = (value == ends.low || value == ends.high) &&
+                         std::ranges::find(jumped, run.first, &Frozen::first) == jumped.end();
+    return clipped || ChanceOf(run, *repeat, values.size()) >= kNever;
   });
   return segments;
 }

@@ -62,10 +62,11 @@ Segment TurningBySpeed(std::span<const double> speed) {
 }
 
 Segment TurningByLines(std::span<const std::vector<double>> channels, double rows_per_turn) {
-  constexpr double kBlocks = 80.0;        // at most: the more rows one has, the clearer are its lines
-  constexpr double kFewestBlocks = 8.0;   // at least, to tell some from the others
-  constexpr std::size_t kFewestGone = 3;  // of them, in one piece
-  constexpr double kClear = 12.0;         // times what noise has there
+  constexpr double kBlocks = 80.0;         // at most: the more rows one has, the clearer are its lines
+  constexpr double kFewestBlocks = 8.0;    // at least, to tell some from the others
+  constexpr std::size_t kFewestGone = 3;   // of them, in one piece
+  constexpr double kClear = 12.0;          // times what noise has there
+  constexpr double kBeyondChance = 100.0;  // the same: at an end of the record one block will do
   constexpr double kGone = 3.0;        // the same; of a χ² with 4 degrees of freedom 2 % lie above, and of
                                        // its medians of three 0.1 %
   constexpr double kGoneShare = 0.15;  // of what the upper quartile of blocks has
@@ -101,7 +102,8 @@ Segment TurningByLines(std::span<const std::vector<double>> channels, double row
   for (std::size_t b = 0; b < blocks;) {
     std::size_t end = b;
     while (end < blocks && gone[end] == gone[b]) ++end;
-    if (gone[b] && end - b < kFewestGone)
+    const bool at_an_end = (b == 0 || end == blocks) && *quartile > kBeyondChance;
+    if (gone[b] && end - b < kFewestGone && !at_an_end)
       std::fill(gone.begin() + static_cast<std::ptrdiff_t>(b),
                 gone.begin() + static_cast<std::ptrdiff_t>(end), false);
     b = end;

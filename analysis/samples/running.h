@@ -22,8 +22,8 @@ Segment TurningBySpeed(std::span<const double> speed);
 
 /// The same by what the shaft does to sensors on its housing, at a speed that is stated for the record: its
 /// lines at 1 and 2 per turn stand clear of the noise in all but some blocks of whole turns, in which they
-/// are no more than the noise. Rows that are partly in such a block are none. All rows where no lines stand
-/// clear.
+/// are no more than the noise: three in one piece, or at an end of the record one, where the lines are very
+/// clear. Rows that are partly in such a block are none. All rows where no lines stand clear.
 /// @param channels       of one length.
 /// @param rows_per_turn  at least 4.
 Segment TurningByLines(std::span<const std::vector<double>> channels, double rows_per_turn);

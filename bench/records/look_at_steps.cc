@@ -68,6 +68,7 @@ void LookAtSteps(daq::Record& record) {
   LookAtSteps(record, "output_angle_deg", "deg");
   LookAtSteps(record, "torque_Nm", "Nm");
   LookAtRange(record, "torque_Nm", "Nm");
+  LookAtRange(record, "output_angle_deg", "deg");
 }
 
 }  // namespace strainwave::bench

@@ -45,6 +45,18 @@ TEST(TurningByLines, FindsWhereTheShaftBeginsAndEndsToTurn) {
   }
 }
 
+TEST(TurningByLines, FindsThatAShortRecordBeginsBeforeTheShaftTurns) {
+  const auto rows = static_cast<std::size_t>(17.0 * kRowsPerTurn);
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::vector<double> values = Channel({static_cast<std::size_t>(2.1 * kRowsPerTurn), rows}, 2.0, 1.0, seed);
+    values.resize(rows);
+    const Segment found = TurningByLines(Channels{values}, kRowsPerTurn);
+    EXPECT_GE(found.first, static_cast<std::size_t>(2.1 * kRowsPerTurn)) << seed;
+    EXPECT_LT(found.first, static_cast<std::size_t>(5.1 * kRowsPerTurn)) << seed;
+    EXPECT_EQ(found.end, rows) << seed;
+  }
+}
+
 TEST(TurningByLines, LeavesAShaftThatTurnsAllTheTimeAsItIs) {
   for (unsigned seed = 1; seed <= 100; ++seed) {
     const Segment all{0, kRows};

@@ -156,6 +156,24 @@ TEST(FindFrozen, FindsASegmentThatItsOwnNoiseWouldNotLetStand) {
   EXPECT_EQ(frozen[0].count, 40U);
 }
 
+TEST(FindFrozen, TellsWhatStoodStillWhileItTurnedBackFromWhatIsClipped) {
+  std::vector<double> values;
+  for (int i = 0; i <= 2000; ++i) values.push_back(std::abs(i - 1000));
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  for (double& value : values) value = 1e-3 * std::round(1e3 * (value + noise(random)));
+  std::vector<double> clipped = values;
+  for (double& value : clipped) value = std::max(value, 40.0);
+  EXPECT_TRUE(FindFrozen(clipped).empty());
+  EXPECT_EQ(FindSaturated(clipped).size(), 1U);
+  for (std::size_t i = 961; i < 1080; ++i) values[i] = values[960];  // is at 80 when it goes on
+  values[300] = values[1500] = 0.0;                                  // spikes
+  const auto frozen = FindFrozen(values);
+  ASSERT_EQ(frozen.size(), 1U);
+  EXPECT_EQ(frozen[0].first, 960U);
+  EXPECT_EQ(frozen[0].count, 120U);
+}
+
 TEST(FindFrozen, TellsARestWithoutVisibleNoiseByWhatComesAfterIt) {
   std::vector<double> quiet = Way(3000, 1.0, 1e-4);
   for (double& value : quiet) value = 1e-3 * std::round(value / 1e-3);

@@ -129,6 +129,36 @@ TEST(StiffnessChecks, NameALoopThatDoesNotClose) {
             "loop not closed: the twist ends 0.372 arcmin from where it was at -0.136 Nm (ex");
 }
 
+TEST(LoopWidth, IsNotKnownBetterThanTheStepsOfTheAngle) {
+  constexpr double kStep_arcmin = 1.318;  // 14 bits of a turn; the loop is 0.26 arcmin wide
+  SimulatedRecord record = SimulateLoop({}, kFromRest_Nm, 2000);
+  for (double& twist_rad : record.twist_rad)
+    twist_rad = RadFromArcmin(kStep_arcmin * std::round(ArcminFromRad(twist_rad) / kStep_arcmin));
+  const TorsionalStiffness fit = FitStiffnessModel(record.View(), kTorques);
+  EXPECT_GE(ArcminFromRad(fit.hysteresis_rad.standard_error), 0.999 * kStep_arcmin * std::sqrt(2.0 / 12.0));
+  EXPECT_GE(ArcminFromRad(fit.lost_motion_rad.standard_error), 0.999 * kStep_arcmin / std::sqrt(12.0));
+}
+
+// The first loading from rest crosses zero torque half a loop's width from where the loop does.
+TEST(StiffnessChecks, NameAGapAtZeroTorqueOnTheWayBack) {
+  SimulatedRecord record = SimulateLoop({}, kFromRest_Nm, 2000);
+  std::size_t lowest = 0;
+  for (std::size_t i = 0; i < record.torque_Nm.size(); ++i) {
+    if (record.torque_Nm[i] < record.torque_Nm[lowest]) lowest = i;
+  }
+  SimulatedRecord gap;
+  for (std::size_t i = 0; i < record.torque_Nm.size(); ++i) {
+    if (i > lowest && record.torque_Nm[i] > -4.0 && record.torque_Nm[i] < 10.0) continue;
+    gap.torque_Nm.push_back(record.torque_Nm[i]);
+    gap.twist_rad.push_back(record.twist_rad[i]);
+  }
+  const TorsionalStiffness fit = FitStiffnessLoading(gap.View(), kTorques);
+  EXPECT_TRUE(std::isnan(fit.hysteresis_rad.value));
+  ASSERT_GE(fit.failed_checks.size(), 1U);
+  EXPECT_EQ(fit.failed_checks[0],
+            "no loop at zero torque: the record lacks a loading or an unloading branch there");
+}
+
 TEST(StiffnessChecks, NameARampThatNeverComesBack) {
   const SimulatedRecord record = SimulateLoop({}, {-34, 34}, 2000);
   const TorsionalStiffness fit = FitStiffnessLoading(record.View(), kTorques);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 
-#include "analysis/lost_motion.h"
 #include "analysis/units.h"
 #include "tests/analysis/chance.h"
 #include "tests/analysis/message_of.h"
@@ -220,31 +219,6 @@ TEST(ComputeTransmissionError, MeasuresLostMotionOnOffsetGrids) {
   EXPECT_NEAR(ArcsecFromRad(result.lost_motion_rad->value), 20.0, kByChance * error_arcsec);
   EXPECT_NEAR(ArcsecFromRad(result.lost_motion_rad->standard_error), error_arcsec,
               kByChance * SpreadOfDeviation(360.0) * error_arcsec);
-}
-
-TEST(MeanDifferenceAtEqualAngle, InterpolatesBetweenOffsetGrids) {
-  // Half a turn of a steep straight error: what is read beside the angle does not average out.
-  SweepError first;
-  SweepError second;
-  for (int i = 0; i < 180; ++i) {
-    first.output_angle_rad.push_back(RadFromDeg(i));
-    first.error_rad.push_back(3.0 * first.output_angle_rad.back() + 0.5);
-    second.output_angle_rad.push_back(RadFromDeg(i + 0.3));
-    second.error_rad.push_back(3.0 * second.output_angle_rad.back());
-  }
-  EXPECT_NEAR(MeanDifferenceAtEqualAngle(first, second).value(), 0.5, 1e-12);
-}
-
-TEST(MeanDifferenceAtEqualAngle, IsNoneWithoutACommonAngle) {
-  SweepError first;
-  SweepError second;
-  for (int i = 0; i < 90; ++i) {
-    first.output_angle_rad.push_back(RadFromDeg(i));
-    first.error_rad.push_back(0.0);
-    second.output_angle_rad.push_back(RadFromDeg(180 + i));
-    second.error_rad.push_back(0.0);
-  }
-  EXPECT_FALSE(MeanDifferenceAtEqualAngle(first, second));
 }
 
 TEST(TransmissionErrorChecks, SayWhatIsWrong) {

@@ -66,6 +66,7 @@ class HysteresisStudy final : public Study {
   double unit_per_si() const override { return ArcminFromRad(1.0); }
   double NoiseFloor() const override { return records_.noise_floor_rad; }
   double Rounding() const override { return records_.rounding_rad; }
+  std::span<const double> Weights() const override { return weights_; }
   std::size_t BlockLength() const override { return records_.block_length; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
@@ -102,6 +103,7 @@ class HysteresisStudy final : public Study {
   Eigen::VectorXd nominal_start_;
   Eigen::VectorXd other_local_minimum_;  // empty where there is none
   Eigen::VectorXd noise_response_rad_;   // what the torque's noise would have turned the gear by
+  std::vector<double> weights_;
 };
 
 // What the nominal model says of the record itself: where the output was on its way, without the angle's own
@@ -115,6 +117,7 @@ void HysteresisStudy::TakeFromNominal() {
   Eigen::VectorXd gear;
   FillTwist(nominal.LawOf(nominal_start_), samples, gear);
   noise_response_rad_ = ResponseToTorqueNoise(records_, gear);
+  weights_ = WeightsByTorqueNoise(records_, gear);
   for (Index i = 0; i < gear.size(); ++i)
     samples.twist_rad[static_cast<std::size_t>(i)] -= noise_response_rad_(i);
 }

@@ -3,14 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "analysis/noise_level.h"
 
 namespace strainwave::analysis::diagnosis {
 
-Eigen::VectorXd ResponseToTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad) {
+namespace {
+
+// Of the nominal gear, at each sample: the slope of its twist over the torque.
+std::vector<double> CompliancesOf(const LoopRecords& records, const Eigen::VectorXd& gear_rad) {
   const LoopGrid& samples = records.samples;
   const double usual = records.compliance_rad_per_Nm();
   double compliance_rad_per_Nm = usual;
-  Eigen::VectorXd response_rad(gear_rad.size());
+  std::vector<double> compliances;
   for (Eigen::Index i = 0; i < gear_rad.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (i > 0 && samples.torque_Nm[k] != samples.torque_Nm[k - 1] && std::isnan(samples.turn_Nm[k])) {
@@ -18,9 +24,42 @@ Eigen::VectorXd ResponseToTorqueNoise(const LoopRecords& records, const Eigen::V
           (gear_rad(i) - gear_rad(i - 1)) / (samples.torque_Nm[k] - samples.torque_Nm[k - 1]);
       compliance_rad_per_Nm = std::clamp(slope, 0.0, 3.0 * usual);
     }
-    response_rad(i) = compliance_rad_per_Nm * records.torque_noise_Nm[k];
+    compliances.push_back(compliance_rad_per_Nm);
+  }
+  return compliances;
+}
+
+}  // namespace
+
+Eigen::VectorXd ResponseToTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad) {
+  const std::vector<double> compliances = CompliancesOf(records, gear_rad);
+  Eigen::VectorXd response_rad(gear_rad.size());
+  for (Eigen::Index i = 0; i < gear_rad.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    response_rad(i) = compliances[k] * records.torque_noise_Nm[k];
   }
   return response_rad;
+}
+
+std::vector<double> WeightsByTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad) {
+  // Of the usual compliance: behind a reversal friction holds the gear, and the model is least sure of it.
+  constexpr double kLeastCompliance = 0.5;
+  std::vector<double> weights = CompliancesOf(records, gear_rad);
+  const std::vector<std::size_t>& starts = records.samples.starts;
+  for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
+    const auto own = std::span(weights).subspan(starts[r], starts[r + 1] - starts[r]);
+    const double torque_noise_Nm =
+        RobustStandardDeviation(std::span(records.torque_noise_Nm).subspan(starts[r], own.size()));
+    double sum = 0.0;
+    for (double& weight : own) {
+      const double compliance = std::max(weight, kLeastCompliance * records.compliance_rad_per_Nm());
+      const double noise_rad = std::hypot(compliance * torque_noise_Nm, records.position_noise_rad);
+      weight = noise_rad > 0.0 ? 1.0 / (noise_rad * noise_rad) : 1.0;
+      sum += weight;
+    }
+    for (double& weight : own) weight *= static_cast<double>(own.size()) / sum;
+  }
+  return weights;
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -15,4 +15,9 @@ namespace strainwave::analysis::diagnosis {
 /// @param gear_rad  twist of the nominal gear, a sample each.
 Eigen::VectorXd ResponseToTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad);
 
+/// Weight of each sample, 1 on average over a record: one over the variance of its twist, which holds the
+/// angle's own noise and what the torque's brings where the gear is as compliant as there. Below T1 that is
+/// two to three times as much as above T2.
+std::vector<double> WeightsByTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad);
+
 }  // namespace strainwave::analysis::diagnosis

@@ -4,19 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
-#include "analysis/angle_weights.h"
 #include "analysis/diagnosis/records.h"
 #include "analysis/diagnosis/temperature.h"
 #include "analysis/diagnosis/transmission_error/folded_orders.h"
 #include "analysis/diagnosis/transmission_error/terms.h"
 #include "analysis/harmonic_regression.h"
+#include "analysis/mean_over_angle.h"
 #include "analysis/noise_level.h"
 #include "analysis/quantities.h"
 #include "analysis/samples/resolution.h"
+#include "analysis/transmission_orders.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -132,9 +132,9 @@ std::vector<UserQuantity> MeanAndRange(const TransmissionErrorSamples& samples,
     angle_rad.push_back(samples.output_rad[i]);
   }
   if (measured.size() < kLeastSamples / 2 || angle_rad.back() == angle_rad.front()) return {};
-  const std::vector<double> weights = AngleWeights(angle_rad);
+  // As `ComputeTransmissionError` has it.
   const auto mean = [&](const std::vector<double>& values) {
-    return std::inner_product(weights.begin(), weights.end(), values.begin(), 0.0);
+    return MeanOverAngle({angle_rad, AnalyseOrders(angle_rad, values, samples.ratio).fit}).value;
   };
   const auto range = [](const std::vector<double>& values) {
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
