@@ -86,7 +86,7 @@ std::vector<Frozen> LeftByAJump(std::span<const double> values) {
 // How finely a signal is told: between neighbours where it is slow, between any two of its values where it is
 // not.
 double ResolutionOf(std::span<const double> values) {
-  constexpr std::size_t kPart = 20;  // a twentieth of the distances may be odd ones, of spikes
+  constexpr std::size_t kPart = 100;  // of the distances so many may be odd ones, of spikes
   const std::set<double> distinct(values.begin(), values.end());
   std::vector<double> distances;
   for (auto at = distinct.begin(); at != distinct.end() && std::next(at) != distinct.end(); ++at)
@@ -199,15 +199,23 @@ std::vector<Saturated> FindSaturated(std::span<const double> values) {
   const std::optional<double> repeat = ChanceOfRepeat(values);
   if (!repeat) return {};
   const std::vector<Run> runs = RunsOf(values);
-  const Ends ends = EndsOf(values);
-  std::vector<Saturated> found;
-  for (const double end : {ends.low, ends.high}) {
-    // Each peak of a periodic signal ends in the same value.
+  // Each peak of a periodic signal ends in the same value.
+  const auto chance_of = [&](double end) {
     double chance = 1.0;
     for (const Run& run : runs) {
       if (values[run.first] == end) chance *= std::min(1.0, ChanceOf(run, *repeat, values.size()));
     }
-    if (chance < kNever) found.push_back({end, static_cast<std::size_t>(std::ranges::count(values, end))});
+    return chance;
+  };
+  // A sensor's range has two ends: where the signal stands at either, one speaks for the other.
+  constexpr double kUnlikely = 1e-3;
+  const Ends ends = EndsOf(values);
+  const double of_both = chance_of(ends.low) * chance_of(ends.high);
+  std::vector<Saturated> found;
+  for (const double end : {ends.low, ends.high}) {
+    const double chance = chance_of(end);
+    if (chance < kNever || (chance < kUnlikely && of_both < kNever))
+      found.push_back({end, static_cast<std::size_t>(std::ranges::count(values, end))});
   }
   return found;
 }

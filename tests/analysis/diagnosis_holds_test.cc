@@ -173,6 +173,13 @@ TEST(HysteresisGap, TakesASlowTurnNoFurtherThanTheOthers) {
     column->erase(column->begin() + first, column->begin() + last);
   const Diagnosed clean = DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{record});
   EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << clean.diagnosis.residual.signature;
+  ASSERT_EQ(clean.study->warnings().size(), 1U);
+  const std::string& warning = clean.study->warnings()[0];
+  EXPECT_TRUE(warning.starts_with("the torque turns back while rows are missing, ")) << warning;
+  EXPECT_TRUE(
+      warning.ends_with(" s: how far it went is not in the record, 34 Nm is taken, and what friction does "
+                        "behind it hangs on that"))
+      << warning;
 }
 
 // Alone a slip follows the drift by slipping a little further one way, in the form that is best for both;

@@ -217,6 +217,20 @@ TEST(FindSaturated, FindsTheEndOfSeveralPeaksEachOfWhichIsShort) {
   EXPECT_TRUE(FindSaturated(std::span(values).first(400)).empty());
 }
 
+// One loop of torque at 50 samples a second: each end alone may be chance.
+TEST(FindSaturated, FindsBothEndsWhereOneSpeaksForTheOther) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  std::vector<double> values;
+  for (int i = 0; i < 720; ++i) {
+    const double there = i < 145 ? i / 144.0 : i < 432 ? 1.0 - (i - 144) / 144.0 : (i - 576) / 144.0;
+    values.push_back(1e-4 * std::round(1e4 * (92.0 * there + 0.04 * normal(random))));
+  }
+  EXPECT_TRUE(FindSaturated(values).empty());
+  for (double& value : values) value = std::clamp(value, -89.5, 89.5);
+  EXPECT_EQ(FindSaturated(values).size(), 2U);
+}
+
 TEST(FindSaturated, FindsNoneWhereStepsAreCoarserThanTheNoise) {
   std::vector<double> values = Way(700, 20.0, 0.1);
   for (double& value : values) value = std::round(value);

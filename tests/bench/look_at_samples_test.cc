@@ -3,9 +3,11 @@
 // same records as they were.
 #include "bench/records/look_at_samples.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -211,6 +213,47 @@ TEST(LookAtSamples, SaysWhatSettlesStampsThatNobodyCanRead) {
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_TRUE(notes[0].ends_with("repeat the one before: sample_rate_hz, 12800, takes their place"))
       << notes[0];
+}
+
+Record Loop(double peak_deg, double step_deg) {
+  Record record = New("hysteresis");
+  record.SetMetadata("t1_Nm", 7.0);
+  record.SetMetadata("t2_Nm", 25.0);
+  record.SetMetadata("t3_Nm", 34.0);
+  std::mt19937 random(4);
+  std::vector<double> time_s;
+  std::vector<double> torque_Nm;
+  std::vector<double> angle_deg;
+  for (int i = 0; i <= 1200; ++i) {
+    const double quarter = i / 240.5;  // up, down, up
+    const double share = quarter < 1.0 ? quarter : quarter < 3.0 ? 2.0 - quarter : quarter - 4.0;
+    const double at_deg = peak_deg * share + Noise(random, 1e-5);
+    time_s.push_back(0.1 * i);
+    torque_Nm.push_back(34.0 * share + Noise(random, 0.02));
+    angle_deg.push_back(step_deg > 0.0 ? step_deg * std::round(at_deg / step_deg) : at_deg);
+  }
+  AddColumn(record, "time_s", time_s);
+  AddColumn(record, "torque_Nm", torque_Nm);
+  AddColumn(record, "output_angle_deg", angle_deg);
+  return record;
+}
+
+// Of 14 bits a turn a whole loop holds a handful of steps, too few changes to see a step in them.
+TEST(LookAtSamples, SaysThatALoopStandsOnSteps) {
+  for (const double bits : {14.0, 18.0}) {
+    const double step_deg = 360.0 / std::exp2(bits);
+    Record record = Loop(0.07, step_deg);
+    const double steps = 2.0 * std::round(0.07 / step_deg);
+    EXPECT_EQ(Looked(record),
+              std::vector<std::string>{fmt::format("output_angle_deg stands on steps of {:.3g} deg, {:.0f} "
+                                                   "from end to end: nothing finer can be told apart",
+                                                   step_deg, steps)});
+  }
+}
+
+TEST(LookAtSamples, DoesNotTakeAnEvenRampForSteps) {
+  Record record = Loop(0.17, 0.0);
+  EXPECT_EQ(Looked(record), std::vector<std::string>{});
 }
 
 TEST(LookAtSamples, RefusesARateThatContradictsTheTime) {

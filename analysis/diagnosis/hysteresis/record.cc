@@ -177,7 +177,8 @@ double NoiseFloorOf(const LoopRecords& prepared) {
 }
 
 void AppendTurns(std::span<const double> time_s, std::span<const double> torque_Nm, double noise_Nm,
-                 LoopGrid& grid) {
+                 LoopRecords& prepared) {
+  LoopGrid& grid = prepared.samples;
   const std::size_t base = grid.turn_Nm.size();
   grid.turn_Nm.resize(base + torque_Nm.size(), std::numeric_limits<double>::quiet_NaN());
   grid.turn_share.resize(base + torque_Nm.size(), 0.0);
@@ -198,6 +199,12 @@ void AppendTurns(std::span<const double> time_s, std::span<const double> torque_
     if (in_gap && std::abs(turn_Nm) > furthest_Nm &&
         furthest_Nm > std::max(std::abs(before_Nm), std::abs(after_Nm)))
       turn_Nm = std::copysign(furthest_Nm, turn_Nm);
+    if (in_gap) {
+      prepared.warnings.push_back(fmt::format(
+          "the torque turns back while rows are missing, {:.4g} to {:.4g} s: how far it went is not in the "
+          "record, {:.4g} Nm is taken, and what friction does behind it hangs on that",
+          time_s[turn.before], time_s[turn.before + 1], turn_Nm));
+    }
     grid.turn_Nm[base + turn.before + 1] = turn_Nm;
     grid.turn_share[base + turn.before + 1] = turn.share;
   }
@@ -278,7 +285,7 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
         DrivingTorqueOf(times_s, turned.torque_Nm, turned.output_angle_rad, record.t3_Nm);
     AppendBranches(times_s, torque_Nm, record.t3_Nm, prepared);
     const double torque_noise_Nm = SampleNoise(times_s, turned.torque_Nm);
-    AppendTurns(times_s, torque_Nm, torque_noise_Nm, grid);
+    AppendTurns(times_s, torque_Nm, torque_noise_Nm, prepared);
     AppendStepRates(times_s, torque_Nm, noise_Nm, torque_noise_Nm, grid);
     AppendRate(times_s, torque_Nm, prepared.torque_rate_Nm_per_s);
     grid.starts.push_back(grid.size());
