@@ -35,7 +35,7 @@ std::vector<std::string> InOrder(const std::map<std::string, int>& met) {
 
 std::string Cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
 
-std::string Quoted(const std::vector<std::string>& flags) {
+std::string QuotedFlags(const std::vector<std::string>& flags) {
   if (flags.empty()) return {};
   std::string text;
   for (const std::string& flag : flags) text += (text.empty() ? "" : "; ") + flag;
@@ -76,7 +76,7 @@ CycleTable CycleTableOf(const Journal& journal) {
       table.csv += fmt::format(",{},{}", known ? Cell(found->second.first) : "",
                                known ? Cell(found->second.second) : "");
     }
-    table.csv += fmt::format(",{}\n", Quoted(row.flags));
+    table.csv += fmt::format(",{}\n", QuotedFlags(row.flags));
     ++table.rows;
   }
   return table;

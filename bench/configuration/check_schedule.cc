@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -14,6 +13,7 @@
 #include "analysis/units.h"
 #include "bench/configuration/read_drive_profile.h"
 #include "bench/configuration/read_register_map.h"
+#include "bench/seconds.h"
 #include "schedules/reader/comparison.h"
 
 namespace strainwave::bench {
@@ -40,8 +40,6 @@ Abilities AbilitiesOf(const BenchDescription& bench, double ratio) {
 
 constexpr const char* kLoadTorque =
     "{:.4g} Nm behind its reducer that the profile of the load servo's drive allows";
-
-double Seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 // What a drive can do by its profile, at the axis: the output of the servo's reducer.
 struct DriveAbilities {

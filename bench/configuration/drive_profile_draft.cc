@@ -35,7 +35,7 @@ constexpr std::pair<OperationMode, std::string_view> kModeWords[] = {
     {OperationMode::kProfileVelocity, "pv"}, {OperationMode::kProfileTorque, "tq"},
     {OperationMode::kHoming, "homing"}};
 
-std::string Quoted(std::string_view text) {
+std::string QuotedForYaml(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
@@ -146,8 +146,8 @@ class Draft {
     std::string name = Ascii(eds_.vendor_name);
     if (!name.empty() && !eds_.product_name.empty()) name += ' ';
     name += Ascii(eds_.product_name);
-    Line(fmt::format("name: {}", Quoted(name.empty() ? Ascii(eds_key_) : name)));
-    Line(fmt::format("eds: {}", Quoted(eds_key_)), "this profile is checked against it");
+    Line(fmt::format("name: {}", QuotedForYaml(name.empty() ? Ascii(eds_key_) : name)));
+    Line(fmt::format("eds: {}", QuotedForYaml(eds_key_)), "this profile is checked against it");
     Line("");
     Line("identity:");
     Identity("vendor", eds_.vendor_number, 1);

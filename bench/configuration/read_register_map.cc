@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/configuration/read_register_map.h"
 
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include "bench/configuration/bench_bounds.h"
 #include "bench/configuration/device_file.h"
+#include "bench/seconds.h"
 #include "schedules/reader/quantity.h"
 #include "schedules/reader/yaml_map.h"
 
@@ -28,10 +28,6 @@ using schedules::YamlMap;
 using schedules::YamlNode;
 
 constexpr schedules::FileKind kRegisterFile{"Modbus device", "modbus_device: 1"};
-
-std::chrono::nanoseconds Nanoseconds(double time_s) {
-  return std::chrono::nanoseconds(std::llround(time_s * 1e9));
-}
 
 // What a unit of the field is in SI; a unit that is none of ours is left as it is.
 std::pair<double, std::string> InSi(const std::string& unit) {

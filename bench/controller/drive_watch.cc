@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 
 namespace strainwave::bench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "bench/controller/interlocks.h"
 #include "bench/controller/jog_program.h"
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 #include "protocols/canopen/stop_time.h"
 
 namespace strainwave::bench {

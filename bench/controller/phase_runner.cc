@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "analysis/units.h"
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 #include "bench/controller/standstill_programs.h"
 #include "bench/realtime/latest.h"
 #include "bench/realtime/realtime.h"

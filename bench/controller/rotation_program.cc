@@ -6,7 +6,7 @@
 #include <string>
 
 #include "analysis/units.h"
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 
 namespace strainwave::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 
 namespace strainwave::bench {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "analysis/units.h"
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 
 namespace strainwave::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/units.h"
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 #include "bench/controller/set_point_watch.h"
 
 namespace strainwave::bench {

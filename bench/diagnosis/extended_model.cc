@@ -25,19 +25,19 @@ using schedules::YamlMap;
 constexpr schedules::FileKind kModelFile{"model", "plant: 1"};
 
 // A text between double quotes reads the same in JSON and in YAML.
-std::string Quoted(const std::string& text) { return nlohmann::json(text).dump(); }
+std::string QuotedForYaml(const std::string& text) { return nlohmann::json(text).dump(); }
 
 std::string NumberText(double value) { return daq::ShortestText(std::isfinite(value) ? value : 0.0); }
 
 void AddParameters(const std::vector<ParameterValue>& parameters, std::string_view indent,
                    std::string& text) {
   for (const ParameterValue& parameter : parameters) {
-    text += fmt::format("{}- {{parameter: {}, value: {}", indent, Quoted(parameter.name),
+    text += fmt::format("{}- {{parameter: {}, value: {}", indent, QuotedForYaml(parameter.name),
                         NumberText(parameter.value));
     if (std::isfinite(parameter.standard_error)) {
       text += fmt::format(", se: {}", NumberText(parameter.standard_error));
     }
-    if (!parameter.unit.empty()) text += fmt::format(", unit: {}", Quoted(parameter.unit));
+    if (!parameter.unit.empty()) text += fmt::format(", unit: {}", QuotedForYaml(parameter.unit));
     text += std::isfinite(parameter.standard_error) ? "}\n" : "}  # the records leave it open\n";
   }
 }
@@ -46,7 +46,7 @@ void AddEffects(std::string_view section, std::string_view key, const std::vecto
                 std::string& text) {
   text += fmt::format("  {}:{}\n", section, effects.empty() ? " []" : "");
   for (const ModelEffect& effect : effects) {
-    text += fmt::format("    - {}: {}\n      where: {}\n      parameters:\n", key, Quoted(effect.name),
+    text += fmt::format("    - {}: {}\n      where: {}\n      parameters:\n", key, QuotedForYaml(effect.name),
                         effect.where);
     AddParameters(effect.parameters, "        ", text);
   }
@@ -151,11 +151,11 @@ std::string ExtendedModelText(const ExtendedModel& model) {
   AddTerms(model.plant, text);
   text +=
       fmt::format("diagnosis:\n  kind: {}\n  date: {}\n  unit: {}\n  noise_floor: {}\n", NameOf(model.kind),
-                  Quoted(model.date), Quoted(model.unit), NumberText(model.noise_floor));
+                  QuotedForYaml(model.date), QuotedForYaml(model.unit), NumberText(model.noise_floor));
   text += fmt::format("  records:{}\n", model.records.empty() ? " []" : "");
   for (const RecordIdentity& record : model.records) {
     text += fmt::format("    - {{file: {}, group: {}, sha256: {}, rows: {}}}\n",
-                        Quoted(std::filesystem::path(record.file).filename().string()), Quoted(record.group),
+                        QuotedForYaml(std::filesystem::path(record.file).filename().string()), QuotedForYaml(record.group),
                         record.sha256, record.rows);
   }
   text += fmt::format("  nominal:{}\n", model.nominal.empty() ? " []" : "");

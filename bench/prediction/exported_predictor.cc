@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kExportAsWritten = "the file as `strainwave export` wrote it";
 constexpr std::size_t kMostNames = 256;
 
-std::string ReadFile(const std::filesystem::path& path) {
+std::string ReadExportedFile(const std::filesystem::path& path) {
   return ReadBounded(path, "a folder that `strainwave export` wrote");
 }
 
@@ -59,7 +59,7 @@ void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem
   for (const char* card : {"model_card_json", "model_card_md"}) {
     const Json& entry = json.at(card);
     const std::filesystem::path path = folder / entry.at("file").get<std::string>();
-    if (Sha256(ReadFile(path)) != entry.at("sha256").get<std::string>()) {
+    if (Sha256(ReadExportedFile(path)) != entry.at("sha256").get<std::string>()) {
       Refuse(path, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
     }
   }
@@ -108,7 +108,7 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
 
 ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kExportedRecipe;
-  const std::string text = ReadFile(file);
+  const std::string text = ReadExportedFile(file);
   try {
     const Json json = Json::parse(text);
     if (json.at("format") != kExportFormat) {
@@ -126,7 +126,7 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
                 .outputs = json.at("outputs").get<std::vector<std::string>>(),
                 .coverage = json.at("coverage").get<double>(),
                 .golden = {},
-                .onnx = ReadFile(model)};
+                .onnx = ReadExportedFile(model)};
     if (Sha256(parts.onnx) != json.at("model").at("sha256").get<std::string>()) {
       Refuse(model, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
     }

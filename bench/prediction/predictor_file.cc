@@ -96,7 +96,7 @@ class Numbers {
   const daq::ArraysFile& file_;
 };
 
-std::string ReadFile(const std::filesystem::path& path) {
+std::string ReadPartOfPredictor(const std::filesystem::path& path) {
   try {
     return daq::ReadWholeFile(path);
   } catch (const daq::RecordError&) {
@@ -179,8 +179,8 @@ void WritePredictor(const std::filesystem::path& folder, const Predictor& predic
 Predictor ReadPredictor(const std::filesystem::path& folder) {
   const std::filesystem::path description = folder / kDescription;
   const std::filesystem::path numbers = folder / kNumbers;
-  const std::string text = ReadFile(description);
-  const std::string bytes = ReadFile(numbers);
+  const std::string text = ReadPartOfPredictor(description);
+  const std::string bytes = ReadPartOfPredictor(numbers);
   try {
     const Json json = Json::parse(text);
     if (json.at("format").get<int>() != kFormat) {

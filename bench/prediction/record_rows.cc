@@ -145,7 +145,7 @@ std::vector<std::string> ChannelsOf(const Facts& one) {
 }
 
 // What holds for several records in the same words is told once, with the first of them.
-std::vector<RecordWarning> WarningsOf(const std::vector<Facts>& all) {
+std::vector<RecordWarning> WarningsOfAll(const std::vector<Facts>& all) {
   std::vector<RecordWarning> warnings;
   std::vector<std::size_t> records;
   for (const Facts& one : all) {
@@ -269,7 +269,7 @@ RecordFiles SurveyRecords(const std::vector<std::filesystem::path>& files, const
                   settings.sample_rate_hz > 0.0 ? settings.sample_rate_hz : all.front().sample_rate_hz,
                   settings.sample_rate_hz > 0.0},
       .window = {},
-      .warnings = WarningsOf(all)};
+      .warnings = WarningsOfAll(all)};
   if (records.outputs.empty()) {
     Refuse(files.front(), "no record has a label",
            fmt::format("metadata or a column with {} or class",

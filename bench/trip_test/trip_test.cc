@@ -5,7 +5,7 @@
 #include <chrono>
 #include <utility>
 
-#include "bench/controller/seconds.h"
+#include "bench/seconds.h"
 #include "bench/text.h"
 
 namespace strainwave::bench {

@@ -32,7 +32,7 @@ std::size_t Slots(const daq::acquisition::SourceDescription& description) {
   return static_cast<std::size_t>(kRoom_s * description.rate_hz / description.most_samples_a_block) + 4;
 }
 
-[[noreturn]] void Fail(const std::string& what) {
+[[noreturn]] void ThrowLastError(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
@@ -45,7 +45,7 @@ StreamServer::StreamServer(daq::acquisition::SourceDescription description, cons
             SampleBlock(description_.channels.size() * description_.most_samples_a_block)),
       listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   const std::string place = fmt::format("stream {} on {}:{}", description_.name, address, port);
-  if (!listener_.is_open()) Fail(place);
+  if (!listener_.is_open()) ThrowLastError(place);
   const int on = 1;
   ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   sockaddr_in at{};
@@ -53,10 +53,10 @@ StreamServer::StreamServer(daq::acquisition::SourceDescription description, cons
   at.sin_port = htons(static_cast<std::uint16_t>(port));
   if (::inet_pton(AF_INET, address == "localhost" ? "127.0.0.1" : address.c_str(), &at.sin_addr) != 1) {
     errno = EADDRNOTAVAIL;
-    Fail(place);
+    ThrowLastError(place);
   }
-  if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0) Fail(place);
-  if (::listen(listener_.get(), 1) != 0) Fail(place);
+  if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0) ThrowLastError(place);
+  if (::listen(listener_.get(), 1) != 0) ThrowLastError(place);
   socklen_t length = sizeof at;
   ::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&at), &length);
   port_ = ntohs(at.sin_port);

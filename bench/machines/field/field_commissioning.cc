@@ -10,6 +10,7 @@
 #include "bench/devices/canopen/scan_nodes.h"
 #include "bench/errors/bench_error.h"
 #include "bench/machines/field/field_machine.h"
+#include "bench/seconds.h"
 #include "bench/utc.h"
 
 namespace strainwave::bench {
@@ -40,8 +41,6 @@ void WaitForStop(const std::vector<CanopenServo*>& servos, BenchClock& clock) {
     clock.SleepUntil(clock.Now() + kLook);
   }
 }
-
-double Seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 }  // namespace
 
