@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "analysis/units.h"
-#include "bench/seconds.h"
 #include "bench/controller/standstill_programs.h"
 #include "bench/realtime/latest.h"
 #include "bench/realtime/realtime.h"
+#include "bench/seconds.h"
 
 namespace strainwave::bench {
 namespace {

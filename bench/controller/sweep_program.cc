@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "analysis/units.h"
-#include "bench/seconds.h"
 #include "bench/controller/set_point_watch.h"
+#include "bench/seconds.h"
 
 namespace strainwave::bench {
 namespace {

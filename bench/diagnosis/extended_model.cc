@@ -155,8 +155,8 @@ std::string ExtendedModelText(const ExtendedModel& model) {
   text += fmt::format("  records:{}\n", model.records.empty() ? " []" : "");
   for (const RecordIdentity& record : model.records) {
     text += fmt::format("    - {{file: {}, group: {}, sha256: {}, rows: {}}}\n",
-                        QuotedForYaml(std::filesystem::path(record.file).filename().string()), QuotedForYaml(record.group),
-                        record.sha256, record.rows);
+                        QuotedForYaml(std::filesystem::path(record.file).filename().string()),
+                        QuotedForYaml(record.group), record.sha256, record.rows);
   }
   text += fmt::format("  nominal:{}\n", model.nominal.empty() ? " []" : "");
   AddParameters(model.nominal, "    ", text);
