@@ -4,6 +4,8 @@
 #include <fstream>
 #include <memory>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -134,7 +136,11 @@ class MatReader {
     const MatHandle mat(Mat_Open(path_.c_str(), MAT_ACC_RDONLY));
     if (!mat) throw RecordError(path_.string(), "cannot be read as a MAT file", "MAT 5 or 7.3");
     file_.format = NameOf(format);
-    while (const MatVariable variable{Mat_VarReadNextInfo(mat.get())}) {
+    // Before any data: matio goes on from where it last read, and a vector that is read straight into its
+    // series leaves it there.
+    std::vector<MatVariable> variables;
+    while (MatVariable variable{Mat_VarReadNextInfo(mat.get())}) variables.push_back(std::move(variable));
+    for (MatVariable& variable : variables) {
       const std::string name = variable->name == nullptr ? "" : variable->name;
       const std::size_t count = CountOf(*variable);
       if (count > kMostValues - values_)
@@ -154,6 +160,7 @@ class MatReader {
         throw RecordError(path_.string(), fmt::format("variable {} cannot be read", name),
                           fmt::format("a whole file; before it {} series are whole", file_.channels.size()));
       Take(name, *variable, 0);
+      variable.reset();
     }
     return std::move(file_);
   }
