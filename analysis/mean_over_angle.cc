@@ -100,7 +100,18 @@ Estimate MeanOverAngle(const MeasuredCurve& curve) {
     const std::complex<double> integral =
         (wave(end_rad) - wave(begin_rad)) / std::complex(0.0, order * (end_rad - begin_rad));
     std::complex<double> of_samples;
-    for (std::size_t i = 0; i < weights.size(); ++i) of_samples += weights[i] * wave(curve.angle_rad[i]);
+    std::complex<double> of_squares;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const std::complex<double> at = wave(curve.angle_rad[i]);
+      of_samples += weights[i] * at;
+      of_squares += weights[i] * at * at;
+    }
+    // Of a wave of two samples a period they see one phase: what the fit says of the other is void.
+    constexpr double kOnePhase = 0.9;
+    if (std::abs(of_squares) > kOnePhase) {
+      mean += harmonic.amplitude.value * of_samples.real();
+      continue;
+    }
     mean += harmonic.amplitude.value * integral.real();
     variance += std::norm(harmonic.amplitude.standard_error * (integral - of_samples));
   }

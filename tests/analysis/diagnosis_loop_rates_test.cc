@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
@@ -42,6 +45,22 @@ TEST(RateDependence, OfTheTorqueThatIsFeltIsNotAnotherCauseBesideIt) {
   const ParameterValue lag = answer.value("torque_lag_s");
   EXPECT_NEAR(lag.value, 0.15, 4.0 * lag.standard_error);
   EXPECT_LT(lag.standard_error, 0.02);
+}
+
+// Locked at another angle of the input a gear is softer by some percent.
+TEST(HysteresisRecords, OfDifferentStiffnessAreTold) {
+  const std::vector<PathLeg> path{{34.0, 1.0}, {-34.0, 1.0}, {34.0, 1.0}};
+  const auto warnings = [&](double times) {
+    const HysteresisData first = GenerateLoop({}, {}, path, 3000, 1);
+    const HysteresisData second = GenerateLoop(
+        {.k1_Nm_per_rad = 1.5e4 * times, .k2_Nm_per_rad = 2.4e4 * times, .k3_Nm_per_rad = 3.0e4 * times}, {},
+        path, 3000, 2);
+    return MakeHysteresisStudy(std::vector<HysteresisData>{first, second})->warnings();
+  };
+  EXPECT_EQ(warnings(1.0), std::vector<std::string>{});
+  const std::vector<std::string> told = warnings(0.94);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_TRUE(told[0].starts_with("the records differ in stiffness, K2 from 22")) << told[0];
 }
 
 }  // namespace

@@ -82,6 +82,19 @@ TEST(MeanOverAngle, OfEvenStepsIsTheMeanOfTheSamples) {
   EXPECT_NEAR(MeanOverAngle({angle_rad, fit}).value, sum / 360.0, 1e-12);
 }
 
+// Steps that are off by what the error itself moves the output: sine and cosine of the wave are nearly one.
+TEST(MeanOverAngle, OfTwoSamplesAPeriodIsTheMeanOfTheSamples) {
+  std::vector<double> input_rad;
+  std::vector<double> output_rad;
+  for (int i = 0; i <= 72; ++i) {
+    input_rad.push_back(RadFromDeg(80.0 * 5.0 * i));
+    output_rad.push_back(RadFromDeg(5.0 * i - (i % 2 == 0 ? 0.0 : 0.01)));
+  }
+  const TransmissionError result = ComputeTransmissionError({input_rad, output_rad}, {}, 80.0);
+  ASSERT_TRUE(result.cw);
+  EXPECT_NEAR(ArcminFromRad(result.cw->e_avg_rad.value), 0.3, 1e-6);
+}
+
 TEST(MeanOverAngle, CountsAnOrderThatIsNoWholeNumberByItsIntegral) {
   std::vector<double> angle_rad;
   std::vector<double> values;

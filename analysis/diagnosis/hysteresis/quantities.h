@@ -16,4 +16,8 @@ std::string OfRecord(const std::string& name, std::size_t record);
 /// not hold are left out.
 std::vector<UserQuantity> QuantitiesOfLoops(const LoopRecords& records, const Eigen::VectorXd& predicted);
 
+/// Whether several records have one stiffness, as the model that is fitted to all of them does: a sentence
+/// with the two that differ most where they do not, by more than their errors and than 1 % of K2.
+std::string DifferentStiffnesses(const LoopRecords& records);
+
 }  // namespace strainwave::analysis::diagnosis

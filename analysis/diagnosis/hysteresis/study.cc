@@ -55,6 +55,7 @@ class HysteresisStudy final : public Study {
     const double k[] = {law.spring.k1_Nm_per_rad, law.spring.k2_Nm_per_rad, law.spring.k3_Nm_per_rad};
     const std::string common = CommonStiffnessChange(k, records_.t1_Nm, records_.t2_Nm);
     if (!common.empty()) warnings_.push_back(common);
+    if (std::string differ = DifferentStiffnesses(records_); !differ.empty()) warnings_.push_back(differ);
     regressors_ = RegressorsOf(records_);
   }
 

@@ -129,7 +129,7 @@ std::vector<UserQuantity> MeanAndRange(const TransmissionErrorSamples& samples,
     if (std::abs(samples.output_rad[i] - first) >= kTwoPi - quarter_step_rad) break;
     measured.push_back(ArcminFromRad(samples.error_rad[i]));
     modelled.push_back(ArcminFromRad(predicted(static_cast<Eigen::Index>(i))));
-    angle_rad.push_back(samples.output_rad[i]);
+    angle_rad.push_back(samples.output_rad[i] - samples.error_rad[i]);  // as measured, but for a constant
   }
   if (measured.size() < kLeastSamples / 2 || angle_rad.back() == angle_rad.front()) return {};
   // As `ComputeTransmissionError` has it.
