@@ -282,6 +282,12 @@ class Draft {
       return found != eds_.objects.end() && found->first.index == index;
     };
     trial_.quirks.lacks_rpdo_event_timer = has(0x1400) && Find(eds_, {0x1400, 5}) == nullptr;
+    trial_.quirks.lacks_tpdo_event_timer = has(0x1800) && Find(eds_, {0x1800, 5}) == nullptr;
+    constexpr ObjectAddress kErrorCode{0x603F, 0};
+    if (const EdsObject* code = Find(eds_, kErrorCode); code == nullptr || !code->mappable) {
+      trial_.quirks.absent_objects.push_back(kErrorCode.index);
+      absent_.emplace_back(kErrorCode.index, "error code in a PDO: emergency messages tell it alone");
+    }
     for (const CommissioningStep& step : CommissioningSteps(trial_, kNodeOfDraft)) {
       const std::uint16_t index = step.address.index;
       const bool is_pdo = index >= 0x1400 && index < 0x1C00;
@@ -324,7 +330,7 @@ class Draft {
       for (const auto& [line, comment] : option_codes_) Line(line, comment);
       Line("");
     }
-    if (!absent_.empty() || trial_.quirks.lacks_rpdo_event_timer) {
+    if (!absent_.empty() || trial_.quirks.lacks_rpdo_event_timer || trial_.quirks.lacks_tpdo_event_timer) {
       Line("quirks:", "what the program sets or reads at a start, and the file does not have");
       if (!absent_.empty()) {
         Line("  absent_objects:");
@@ -332,6 +338,8 @@ class Draft {
       }
       if (trial_.quirks.lacks_rpdo_event_timer)
         Line("  lacks_rpdo_event_timer: true", "1400h:05: missing set points go unnoticed in the drive");
+      if (trial_.quirks.lacks_tpdo_event_timer)
+        Line("  lacks_tpdo_event_timer: true", "1800h:05: the statusword comes with SYNC");
       Line("");
     }
     if (!expected_.empty()) {
