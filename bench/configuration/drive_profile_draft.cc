@@ -80,6 +80,16 @@ std::string Told(const EdsFile& eds, ObjectAddress address) {
   return fmt::format("{} is {}, {}", Words(address), Ascii(object->default_value), Source(*object));
 }
 
+// The same with what the object takes, in its own units.
+std::string ToldWithLimits(const EdsFile& eds, ObjectAddress address) {
+  const EdsObject* object = Find(eds, address);
+  if (object == nullptr || (object->low_limit.empty() && object->high_limit.empty()))
+    return Told(eds, address);
+  const auto limit = [](const std::string& text) { return text.empty() ? "any" : Ascii(text); };
+  return fmt::format("{}; it takes {} to {}", Told(eds, address), limit(object->low_limit),
+                     limit(object->high_limit));
+}
+
 // A unit of speed or acceleration by CiA 303-2: a power of ten, numerator and denominator, a byte each.
 struct SiUnit {
   double per_rpm{};  // or per rpm/s
@@ -254,12 +264,12 @@ class Draft {
 
   void Limits() {
     Line("limits:", "yours, not the drive's; in words what the file says of the same object");
-    Open("limits", "speed", "as in 3000 rpm; " + Told(eds_, {0x607F, 0}));
-    Open("limits", "torque", "as in 2.5 Nm; " + Told(eds_, {0x6072, 0}));
-    Open("limits", "acceleration", "as in 5000 rad/s2; " + Told(eds_, {0x6083, 0}));
-    Open("limits", "quick_stop_deceleration", "as in 5000 rad/s2; " + Told(eds_, {0x6085, 0}));
-    Open("limits", "following_error_window", "as in 10 deg; " + Told(eds_, {0x6065, 0}));
-    Open("limits", "following_error_time", "as in 50 ms; " + Told(eds_, {0x6066, 0}));
+    Open("limits", "speed", "as in 3000 rpm; " + ToldWithLimits(eds_, {0x607F, 0}));
+    Open("limits", "torque", "as in 2.5 Nm; " + ToldWithLimits(eds_, {0x6072, 0}));
+    Open("limits", "acceleration", "as in 5000 rad/s2; " + ToldWithLimits(eds_, {0x6083, 0}));
+    Open("limits", "quick_stop_deceleration", "as in 5000 rad/s2; " + ToldWithLimits(eds_, {0x6085, 0}));
+    Open("limits", "following_error_window", "as in 10 deg; " + ToldWithLimits(eds_, {0x6065, 0}));
+    Open("limits", "following_error_time", "as in 50 ms; " + ToldWithLimits(eds_, {0x6066, 0}));
     Line("  standstill_speed: 5 rpm", "the usual value");
     Line("");
   }

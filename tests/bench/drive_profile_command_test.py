@@ -93,7 +93,7 @@ class DriveProfile(unittest.TestCase):
         self.assertEqual(report["warnings"], [])
         self.assertRegex(profile, r"(?m)^  vendor: 0x00005357 +# of the file's \[DeviceInfo\]$")
         self.assertRegex(profile, r"(?m)^modes: \[csv, csp, cst\] +# 6502h is 0x3AD, the file's default; it has pp, pv, tq, homing, too$")
-        self.assertRegex(profile, r"(?m)^  torque: to be filled in +# as in 2\.5 Nm; 6072h is 3000, the file's default$")
+        self.assertRegex(profile, r"(?m)^  torque: to be filled in +# as in 2\.5 Nm; 6072h is 3000, the file's default; it takes 0 to 3000$")
 
     def test_a_drive_without_modes_and_identity(self):
         sheet = without(without(self.sheet, "6502"), "1018")
