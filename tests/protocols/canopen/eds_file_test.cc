@@ -172,6 +172,13 @@ TEST(ParseEds, TakesEitherEndOfLineCaseAndAByteOrderMark) {
   EXPECT_EQ(ParseEds(text, "x").objects.size(), Good().objects.size());
 }
 
+TEST(ParseEds, TakesLinesThatEndInTwoCarriageReturns) {
+  std::string text;
+  for (const char c : kGood) text += c == '\n' ? std::string("\r\r\n") : std::string(1, c);
+  EXPECT_EQ(ParseEds(text, "x").objects.size(), Good().objects.size());
+  EXPECT_EQ(ParseEds(text, "x").notes, Good().notes);
+}
+
 TEST(ParseEds, TakesWhatADcfFileSetsForTheDefault) {
   const EdsFile file =
       ParseEds(Replaced("DefaultValue=-12\n", "DefaultValue=-12\nParameterValue=99\n"), "x.dcf");
