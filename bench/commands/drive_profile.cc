@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -40,16 +41,32 @@ EdsFile ReadEds(const std::string& path) {
   }
 }
 
-// A file of another kind of device would make a profile full of holes.
-void DemandDrive(const EdsFile& eds, const std::string& path) {
+// Controlword and statusword make a drive; a file of another kind of device would make a profile full of
+// holes. What a file gives for the device type is not always what the device tells: the drive itself is asked
+// at a start.
+void DemandDrive(const EdsFile& eds, const std::string& path, std::vector<std::string>& warnings) {
   constexpr std::int64_t kServoProfile = 402;
+  const bool is_drive = eds.objects.contains({0x6040, 0}) && eds.objects.contains({0x6041, 0});
   const auto found = eds.objects.find({0x1000, 0});
-  if (found == eds.objects.end()) return;
-  const auto type = protocols::canopen::TypedEdsNumber(found->second.default_value, 1, found->second.type);
-  if (!type || (*type & 0xFFFF) == kServoProfile) return;
-  Refuse(fmt::format("{}:{}:1", path, found->second.line),
-         fmt::format("1000h tells a device of profile {}", *type & 0xFFFF),
-         fmt::format("{}, a drive by CiA 402", kServoProfile));
+  const auto type = found == eds.objects.end() ? std::nullopt
+                                               : protocols::canopen::TypedEdsNumber(
+                                                     found->second.default_value, 1, found->second.type);
+  const bool is_told_otherwise = type && (*type & 0xFFFF) != kServoProfile;
+  if (is_drive && !is_told_otherwise) return;
+  const std::string place = fmt::format("{}:{}:1", path, is_told_otherwise ? found->second.line : 1);
+  const std::string what = is_told_otherwise
+                               ? fmt::format("1000h tells a device of profile {}", *type & 0xFFFF)
+                               : "there is no controlword or no statusword";
+  if (!is_drive) {
+    Refuse(place, what,
+           is_told_otherwise ? fmt::format("{}, a drive by CiA 402", kServoProfile)
+                             : "6040h and 6041h, a drive by CiA 402");
+  }
+  warnings.push_back(
+      fmt::format("{}: warning: {} (expected {}; where the drive itself tells it, too, quirks: "
+                  "{{absent_objects: [0x1000]}} "
+                  "in the profile)",
+                  place, what, kServoProfile));
 }
 
 // As a profile at `out` would name it; without one, as a profile in the current folder.
@@ -60,12 +77,12 @@ std::string EdsKey(const DriveProfileOptions& options) {
 
 int WriteDraft(const DriveProfileOptions& options) {
   const EdsFile eds = ReadEds(options.eds);
-  DemandDrive(eds, options.eds);
+  std::vector<std::string> warnings = eds.notes;
+  DemandDrive(eds, options.eds, warnings);
   if (!options.out.empty() && fs::exists(options.out))
     Refuse(options.out, "is there already", "a new name, since a profile is filled in by hand");
   const DriveProfileDraft draft = DraftDriveProfile(eds, EdsKey(options));
   if (!options.out.empty()) daq::WriteFileAtomically(options.out, draft.text);
-  std::vector<std::string> warnings = eds.notes;
   for (const std::string& finding : draft.findings)
     warnings.push_back(fmt::format("{}: warning: {}", options.eds, finding));
   for (const std::string& warning : warnings) ToStderr("{}\n", warning);

@@ -80,6 +80,16 @@ std::string Told(const EdsFile& eds, ObjectAddress address) {
   return fmt::format("{} is {}, {}", Words(address), Ascii(object->default_value), Source(*object));
 }
 
+// The same with what the object takes, in its own units.
+std::string ToldWithLimits(const EdsFile& eds, ObjectAddress address) {
+  const EdsObject* object = Find(eds, address);
+  if (object == nullptr || (object->low_limit.empty() && object->high_limit.empty()))
+    return Told(eds, address);
+  const auto limit = [](const std::string& text) { return text.empty() ? "any" : Ascii(text); };
+  return fmt::format("{}; it takes {} to {}", Told(eds, address), limit(object->low_limit),
+                     limit(object->high_limit));
+}
+
 // A unit of speed or acceleration by CiA 303-2: a power of ten, numerator and denominator, a byte each.
 struct SiUnit {
   double per_rpm{};  // or per rpm/s
@@ -254,12 +264,12 @@ class Draft {
 
   void Limits() {
     Line("limits:", "yours, not the drive's; in words what the file says of the same object");
-    Open("limits", "speed", "as in 3000 rpm; " + Told(eds_, {0x607F, 0}));
-    Open("limits", "torque", "as in 2.5 Nm; " + Told(eds_, {0x6072, 0}));
-    Open("limits", "acceleration", "as in 5000 rad/s2; " + Told(eds_, {0x6083, 0}));
-    Open("limits", "quick_stop_deceleration", "as in 5000 rad/s2; " + Told(eds_, {0x6085, 0}));
-    Open("limits", "following_error_window", "as in 10 deg; " + Told(eds_, {0x6065, 0}));
-    Open("limits", "following_error_time", "as in 50 ms; " + Told(eds_, {0x6066, 0}));
+    Open("limits", "speed", "as in 3000 rpm; " + ToldWithLimits(eds_, {0x607F, 0}));
+    Open("limits", "torque", "as in 2.5 Nm; " + ToldWithLimits(eds_, {0x6072, 0}));
+    Open("limits", "acceleration", "as in 5000 rad/s2; " + ToldWithLimits(eds_, {0x6083, 0}));
+    Open("limits", "quick_stop_deceleration", "as in 5000 rad/s2; " + ToldWithLimits(eds_, {0x6085, 0}));
+    Open("limits", "following_error_window", "as in 10 deg; " + ToldWithLimits(eds_, {0x6065, 0}));
+    Open("limits", "following_error_time", "as in 50 ms; " + ToldWithLimits(eds_, {0x6066, 0}));
     Line("  standstill_speed: 5 rpm", "the usual value");
     Line("");
   }
@@ -282,6 +292,12 @@ class Draft {
       return found != eds_.objects.end() && found->first.index == index;
     };
     trial_.quirks.lacks_rpdo_event_timer = has(0x1400) && Find(eds_, {0x1400, 5}) == nullptr;
+    trial_.quirks.lacks_tpdo_event_timer = has(0x1800) && Find(eds_, {0x1800, 5}) == nullptr;
+    constexpr ObjectAddress kErrorCode{0x603F, 0};
+    if (const EdsObject* code = Find(eds_, kErrorCode); code == nullptr || !code->mappable) {
+      trial_.quirks.absent_objects.push_back(kErrorCode.index);
+      absent_.emplace_back(kErrorCode.index, "error code in a PDO: emergency messages tell it alone");
+    }
     for (const CommissioningStep& step : CommissioningSteps(trial_, kNodeOfDraft)) {
       const std::uint16_t index = step.address.index;
       const bool is_pdo = index >= 0x1400 && index < 0x1C00;
@@ -324,7 +340,7 @@ class Draft {
       for (const auto& [line, comment] : option_codes_) Line(line, comment);
       Line("");
     }
-    if (!absent_.empty() || trial_.quirks.lacks_rpdo_event_timer) {
+    if (!absent_.empty() || trial_.quirks.lacks_rpdo_event_timer || trial_.quirks.lacks_tpdo_event_timer) {
       Line("quirks:", "what the program sets or reads at a start, and the file does not have");
       if (!absent_.empty()) {
         Line("  absent_objects:");
@@ -332,6 +348,8 @@ class Draft {
       }
       if (trial_.quirks.lacks_rpdo_event_timer)
         Line("  lacks_rpdo_event_timer: true", "1400h:05: missing set points go unnoticed in the drive");
+      if (trial_.quirks.lacks_tpdo_event_timer)
+        Line("  lacks_tpdo_event_timer: true", "1800h:05: the statusword comes with SYNC");
       Line("");
     }
     if (!expected_.empty()) {

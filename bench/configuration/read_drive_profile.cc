@@ -270,6 +270,7 @@ void ReadQuirks(YamlMap map, protocols::canopen::DriveQuirks& quirks) {
   quirks.absent_objects = Numbers16(map, "absent_objects");
   quirks.warning_codes = Numbers16(map, "warning_codes");
   quirks.lacks_rpdo_event_timer = map.Flag("lacks_rpdo_event_timer", "false");
+  quirks.lacks_tpdo_event_timer = map.Flag("lacks_tpdo_event_timer", "false");
   map.Finish();
 }
 

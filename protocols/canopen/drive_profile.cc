@@ -36,11 +36,16 @@ std::vector<PdoSetting> StandardPdos(const DriveProfile& profile) {
     pdos.back().transmission_type = kByEvent;  // the brake does not wait for SYNC
   }
 
-  pdos.push_back(from_drive(1, 0x180, kByEvent,
-                            {{kStatuswordObject, 16}, {kModeDisplayObject, 8}, {kErrorCodeObject, 16}}));
-  const auto period_ms =
-      std::chrono::duration_cast<std::chrono::milliseconds>(profile.timing.sync_period).count();
-  pdos.back().event_timer_ms = static_cast<std::uint16_t>(std::clamp<std::int64_t>(2 * period_ms, 1, 0xFFFF));
+  pdos.push_back(from_drive(1, 0x180, kByEvent, {{kStatuswordObject, 16}, {kModeDisplayObject, 8}}));
+  if (!IsAbsent(profile, kErrorCodeObject.index)) pdos.back().entries.push_back({kErrorCodeObject, 16});
+  if (profile.quirks.lacks_tpdo_event_timer) {
+    pdos.back().transmission_type = kEverySync;
+  } else {
+    const auto period_ms =
+        std::chrono::duration_cast<std::chrono::milliseconds>(profile.timing.sync_period).count();
+    pdos.back().event_timer_ms =
+        static_cast<std::uint16_t>(std::clamp<std::int64_t>(2 * period_ms, 1, 0xFFFF));
+  }
   pdos.push_back(
       from_drive(2, 0x280, kEverySync, {{kPositionActualObject, 32}, {kVelocityActualObject, 32}}));
   pdos.push_back(from_drive(3, 0x380, kEverySync, {{kTorqueActualObject, 16}}));

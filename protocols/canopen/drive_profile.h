@@ -102,6 +102,7 @@ struct DriveQuirks {
       absent_objects;  // indices that are neither written nor read: the drive lacks them
   std::vector<std::uint16_t> warning_codes;  // EMCY codes that are told but do not stop
   bool lacks_rpdo_event_timer{};             // 14xxh:05: it cannot notice missing set-points
+  bool lacks_tpdo_event_timer{};             // 18xxh:05: its statusword comes with SYNC
 };
 
 /// One type of drive, as a file describes it.
@@ -126,7 +127,8 @@ struct DriveProfile {
 bool IsAbsent(const DriveProfile& profile, std::uint16_t index) noexcept;
 
 /// Controlword and mode by event and watched by the drive, set-points with SYNC; statusword by event, so that
-/// no state is missed, and actual values with SYNC.
+/// no state is missed, and actual values with SYNC. A drive that cannot repeat its statusword by itself sends
+/// it with SYNC, too; without 603Fh among its objects it tells errors by EMCY alone.
 std::vector<PdoSetting> StandardPdos(const DriveProfile& profile);
 
 /// The PDOs of the profile for this node.

@@ -265,8 +265,9 @@ class EdsReader {
       return CheckNumber(*value, key, object.type);
     };
     auto initial = number("DefaultValue", object.default_value);
-    // A DCF file says with it what this one node is set to.
-    if (section.Find("parametervalue") != nullptr) {
+    // A DCF file says with it what this one node is set to; empty, the default stands.
+    const IniValue* own = section.Find("parametervalue");
+    if (own != nullptr && !own->text.empty()) {
       initial = number("ParameterValue", object.default_value);
       object.is_set_for_node = !object.default_value.empty();
     }
@@ -281,8 +282,7 @@ class EdsReader {
                object.high_limit, object.low_limit));
     } else if (initial && ((low && *initial < *low) || (high && *initial > *high))) {
       is_contradiction = true;
-      const IniValue* value = section.Find("parametervalue");
-      Note(value == nullptr ? *section.Find("defaultvalue") : *value,
+      Note(object.is_set_for_node ? *own : *section.Find("defaultvalue"),
            fmt::format("value {} is not within the object's limits (expected {} to {}; they are not used)",
                        object.default_value, low ? object.low_limit : "any",
                        high ? object.high_limit : "any"));

@@ -41,8 +41,8 @@ struct EdsFile {
   std::vector<std::string> notes;
 };
 
-/// A number as an EDS file writes it for this node: decimal, 0x…, octal with a leading 0, "$NODEID+…";
-/// nothing for anything else.
+/// A number as an EDS file writes it for this node: decimal, 0x…, octal with a leading 0, "$NODEID+…"
+/// or "…+$NODEID"; nothing for anything else.
 std::optional<std::int64_t> EdsNumber(std::string_view text, std::uint8_t node_id);
 
 /// Reads the text of an EDS or DCF file. Files of makers are odd in many places that nobody looks at, so what

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <charconv>
+#include <utility>
 
 #include "protocols/canopen/eds_file.h"
 #include "protocols/canopen/ini_text.h"
@@ -40,11 +41,15 @@ std::optional<std::int64_t> PlainNumber(std::string_view text) {
 std::optional<std::int64_t> EdsNumber(std::string_view text, std::uint8_t node_id) {
   const std::string lower = LowerCase(WithoutBlanks(text));
   std::string_view rest = lower;
-  if (!rest.starts_with(kNodeId)) return PlainNumber(rest);
-  rest = WithoutBlanks(rest.substr(kNodeId.size()));
-  if (rest.empty()) return node_id;
-  if (!rest.starts_with('+')) return std::nullopt;
-  const std::optional<std::int64_t> offset = PlainNumber(WithoutBlanks(rest.substr(1)));
+  if (rest == kNodeId) return node_id;
+  const std::size_t plus = rest.find('+');
+  if (plus == std::string_view::npos) return PlainNumber(rest);
+  std::string_view first = WithoutBlanks(rest.substr(0, plus));
+  std::string_view second = WithoutBlanks(rest.substr(plus + 1));
+  // CiA 306 has the node first, many an editor of these files the number.
+  if (second == kNodeId) std::swap(first, second);
+  if (first != kNodeId) return std::nullopt;
+  const std::optional<std::int64_t> offset = PlainNumber(second);
   constexpr std::int64_t kMostCobId = 0xFFFFFFFF;
   if (!offset || *offset < 0 || *offset > kMostCobId) return std::nullopt;
   return *offset + node_id;

@@ -43,7 +43,7 @@ std::map<std::string, IniSection> ParseIni(std::string_view text, std::vector<Fi
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
+    while (line.ends_with('\r')) line.remove_suffix(1);  // two where a file was converted twice
     const std::string_view content = Trimmed(line);
     if (content.empty() || content.front() == ';') continue;
     const auto column_of = [&](std::string_view part) {

@@ -14,24 +14,55 @@ namespace {
 using Findings = std::vector<std::string>;
 
 std::string Named(ObjectAddress address, const EdsObject& object) {
-  return fmt::format("{} {}", Words(address), object.name);
+  if (object.line == 0) return fmt::format("{} {}", Words(address), object.name);
+  return fmt::format("{} {} (line {} of the EDS)", Words(address), object.name, object.line);
+}
+
+std::string LeftOutBy(std::string_view quirk) {
+  return fmt::format(" (expected it there; where the drive lacks it, quirks: {{{}}} in the profile)", quirk);
+}
+
+bool Maps(const std::vector<PdoSetting>& pdos, std::uint16_t index) {
+  return std::ranges::any_of(pdos, [index](const PdoSetting& pdo) {
+    return std::ranges::any_of(pdo.entries,
+                               [index](const PdoEntry& entry) { return entry.address.index == index; });
+  });
 }
 
 // What the profile would say if the drive really lacked the object; nothing where no drive may.
 std::string HowToLeaveOut(const CommissioningStep& step, const DriveProfile& profile) {
+  const std::uint16_t index = step.address.index;
+  if (index >= 0x1400 && index < 0x1C00) {
+    // Left out, a drive would send and understand what somebody has once set it to.
+    if (!profile.pdos.empty()) return " (expected only PDOs and entries that the drive has in pdos)";
+    if (step.address.subindex == 5 && index < 0x1600) return LeftOutBy("lacks_rpdo_event_timer: true");
+    if (step.address.subindex == 5 && index >= 0x1800 && index < 0x1A00)
+      return LeftOutBy("lacks_tpdo_event_timer: true");
+    return " (expected it there; the profile's pdos may name others)";
+  }
   DriveProfile without = profile;
-  without.quirks.absent_objects.push_back(step.address.index);
+  without.quirks.absent_objects.push_back(index);
   const bool is_left_out =
       std::ranges::none_of(CommissioningSteps(without, 1),
                            [&](const CommissioningStep& other) { return other.address == step.address; });
-  if (step.address.subindex == 5 && step.address.index >= 0x1400 && step.address.index < 0x1600) {
-    return " (expected it there; where the drive lacks it, quirks: {lacks_rpdo_event_timer: true} in the "
-           "profile)";
-  }
-  if (!is_left_out || !CheckProfile(without).empty()) return "";
-  return fmt::format(
-      " (expected it there; where the drive lacks it, quirks: {{absent_objects: [0x{:04X}]}} in the profile)",
-      step.address.index);
+  if (!is_left_out) return "";
+  if (const Findings wrong = CheckProfile(without); !wrong.empty()) return ": " + wrong.front();
+  return LeftOutBy(fmt::format("absent_objects: [0x{:04X}]", index));
+}
+
+// The same for an object that is mapped.
+std::string HowNotToMap(std::uint16_t index, const DriveProfile& profile) {
+  if (!profile.pdos.empty()) return " (expected only objects that the drive can map in pdos)";
+  DriveProfile without = profile;
+  without.quirks.absent_objects.push_back(index);
+  if (!Maps(StandardPdos(without), index) && CheckProfile(without).empty())
+    return LeftOutBy(fmt::format("absent_objects: [0x{:04X}]", index));
+  without.pdos = StandardPdos(profile);
+  for (PdoSetting& pdo : without.pdos)
+    std::erase_if(pdo.entries, [index](const PdoEntry& entry) { return entry.address.index == index; });
+  std::erase_if(without.pdos, [](const PdoSetting& pdo) { return pdo.entries.empty(); });
+  return CheckProfile(without).empty() ? " (expected it there; the profile's pdos may do without it)"
+                                       : " (expected it there; the master cannot do without it)";
 }
 
 void CheckStep(const DriveProfile& profile, const CommissioningStep& step, const EdsFile& eds,
@@ -71,9 +102,11 @@ void CheckStep(const DriveProfile& profile, const CommissioningStep& step, const
   const unsigned bits = 8U * step.bytes;
   const bool is_whole = step.mask == (bits >= 32 ? 0xFFFFFFFF : (1U << bits) - 1);
   if (!is_whole) return;  // bits within a number have no limits
-  const std::int64_t value = IsSignedType(object.type) ? SignExtended(step.value, bits) : step.value;
+  std::int64_t value = IsSignedType(object.type) ? SignExtended(step.value, bits) : step.value;
   const std::optional<std::int64_t> low = TypedEdsNumber(object.low_limit, node_id, object.type);
   const std::optional<std::int64_t> high = TypedEdsNumber(object.high_limit, node_id, object.type);
+  // The watched node stands above bit 16 of 1016h: a limit of 16 bits is meant for the time below.
+  if (step.address.index == 0x1016 && high && *high <= 0xFFFF) value &= 0xFFFF;
   if (low && value < *low) {
     findings.push_back(fmt::format("{}: {} is below the EDS's low limit {}", name, value, *low));
   }
@@ -82,11 +115,12 @@ void CheckStep(const DriveProfile& profile, const CommissioningStep& step, const
   }
 }
 
-void CheckMapped(const PdoSetting& pdo, const EdsFile& eds, Findings& findings) {
+void CheckMapped(const DriveProfile& profile, const PdoSetting& pdo, const EdsFile& eds, Findings& findings) {
   for (const PdoEntry& entry : pdo.entries) {
     const auto found = eds.objects.find(entry.address);
     if (found == eds.objects.end()) {
-      findings.push_back(fmt::format("{} is mapped, but is not in the EDS", Words(entry.address)));
+      findings.push_back(fmt::format("{} is mapped, but is not in the EDS{}", Words(entry.address),
+                                     HowNotToMap(entry.address.index, profile)));
       continue;
     }
     const EdsObject& object = found->second;
@@ -96,7 +130,8 @@ void CheckMapped(const PdoSetting& pdo, const EdsFile& eds, Findings& findings) 
       continue;
     }
     if (!object.mappable)
-      findings.push_back(fmt::format("{}: is mapped, but the EDS does not allow it", name));
+      findings.push_back(fmt::format("{}: is mapped, but the EDS does not allow it{}", name,
+                                     HowNotToMap(entry.address.index, profile)));
     if (8 * BytesOf(object.type) != entry.bits) {
       findings.push_back(
           fmt::format("{}: {} bits mapped, {} in the EDS", name, entry.bits, 8 * BytesOf(object.type)));
@@ -113,7 +148,7 @@ void CheckMapped(const PdoSetting& pdo, const EdsFile& eds, Findings& findings) 
 
 void CheckIdentity(std::string_view name, std::uint32_t profile, std::optional<std::uint32_t> eds,
                    Findings& findings) {
-  if (profile != 0 && eds && profile != *eds) {
+  if (profile != 0 && eds.value_or(0) != 0 && profile != *eds) {  // many a maker leaves a 0
     findings.push_back(fmt::format("{} {:08X}h in the profile, {:08X}h in the EDS", name, profile, *eds));
   }
 }
@@ -137,7 +172,9 @@ std::vector<std::string> CheckProfileAgainstEds(const DriveProfile& profile, con
     const auto is_written = [index](const CommissioningStep& step) {
       return step.address.index == index && step.action == CommissioningStep::Action::kWrite;
     };
-    if (std::ranges::any_of(all_steps, is_read) && std::ranges::none_of(all_steps, is_written)) continue;
+    const bool is_looked_at = std::ranges::any_of(all_steps, is_read) ||
+                              (Maps(PdosOf(whole, node_id), index) && !Maps(PdosOf(profile, node_id), index));
+    if (is_looked_at && std::ranges::none_of(all_steps, is_written)) continue;
     const auto found = eds.objects.lower_bound({index, 0});
     if (found != eds.objects.end() && found->first.index == index) {
       findings.push_back(fmt::format("{:04X}h is absent according to the profile, but is in the EDS", index));
@@ -146,7 +183,7 @@ std::vector<std::string> CheckProfileAgainstEds(const DriveProfile& profile, con
   for (const CommissioningStep& step : CommissioningSteps(profile, node_id)) {
     CheckStep(profile, step, eds, node_id, findings);
   }
-  for (const PdoSetting& pdo : PdosOf(profile, node_id)) CheckMapped(pdo, eds, findings);
+  for (const PdoSetting& pdo : PdosOf(profile, node_id)) CheckMapped(profile, pdo, eds, findings);
   // Several steps touch the same object; each finding is told once.
   Findings once;
   for (std::string& finding : findings) {

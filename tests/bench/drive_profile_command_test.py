@@ -93,7 +93,7 @@ class DriveProfile(unittest.TestCase):
         self.assertEqual(report["warnings"], [])
         self.assertRegex(profile, r"(?m)^  vendor: 0x00005357 +# of the file's \[DeviceInfo\]$")
         self.assertRegex(profile, r"(?m)^modes: \[csv, csp, cst\] +# 6502h is 0x3AD, the file's default; it has pp, pv, tq, homing, too$")
-        self.assertRegex(profile, r"(?m)^  torque: to be filled in +# as in 2\.5 Nm; 6072h is 3000, the file's default$")
+        self.assertRegex(profile, r"(?m)^  torque: to be filled in +# as in 2\.5 Nm; 6072h is 3000, the file's default; it takes 0 to 3000$")
 
     def test_a_drive_without_modes_and_identity(self):
         sheet = without(without(self.sheet, "6502"), "1018")
@@ -141,9 +141,24 @@ class DriveProfile(unittest.TestCase):
         self.assertRegex(profile, r"(?m)^    - 0x605D +# halt option code$")
         self.assertEqual(report["warnings"], [])
         report, profile = self.draft(without(self.sheet, "1016"))
-        said = "1016h:01 (watch over the master's heartbeat) is not in the EDS"
+        said = ("1016h:01 (watch over the master's heartbeat) is not in the EDS: a drive without heartbeats (1016h, 1017h) cannot "
+                "be watched")
         self.assertEqual(report["warnings"], [f"{self.profiles / 'x.eds'}: warning: {said}"])
         self.assertIn(f"\n#   {said}\n", profile)
+
+    def test_a_drive_that_cannot_repeat_or_map_is_read(self):
+        sheet = re.sub(r"(?ms)^\[1800sub5\]\n.*?(?=^\[)", "", self.sheet)
+        self.assertNotEqual(sheet, self.sheet)
+        report, profile = self.draft(re.sub(r"(?ms)(^\[603F\]\n.*?PDOMapping=)1", r"\g<1>0", sheet))
+        self.assertEqual(report["warnings"], [])
+        self.assertRegex(profile, r"(?m)^    - 0x603F +# error code in a PDO: emergency messages tell it alone$")
+        self.assertRegex(profile, r"(?m)^  lacks_tpdo_event_timer: true +# 1800h:05: the statusword comes with SYNC$")
+
+    def test_controlword_and_statusword_make_a_drive_whatever_the_device_type_says(self):
+        report, _ = self.draft(self.sheet.replace("0x00020192", "0x92010200"))
+        self.assertEqual(report["warnings"], [
+            f"{self.profiles / 'x.eds'}:118:1: warning: 1000h tells a device of profile 512 (expected 402; where the drive itself "
+            "tells it, too, quirks: {absent_objects: [0x1000]} in the profile)"])
 
     def test_an_option_code_that_the_drive_does_not_take_is_its_own(self):
         _, profile = self.draft(self.sheet)
@@ -163,8 +178,10 @@ class DriveProfile(unittest.TestCase):
         none.write_text("", encoding="utf-8")
         refused(f"{none}:1:1: error: no object is described (expected an electronic data sheet, as in CiA 306)", none)
         other = self.folder / "io.eds"
-        other.write_text(self.sheet.replace("0x00020192", "0x000F0191"), encoding="utf-8")
+        other.write_text(without(self.sheet, "6040").replace("0x00020192", "0x000F0191"), encoding="utf-8")
         refused(f"{other}:118:1: error: 1000h tells a device of profile 401 (expected 402, a drive by CiA 402)", other)
+        other.write_text(without(without(self.sheet, "6041"), "1000"), encoding="utf-8")
+        refused(f"{other}:1:1: error: there is no controlword or no statusword (expected 6040h and 6041h, a drive by CiA 402)", other)
         sheet = self.profiles / "strainwave_drive.eds"
         there = self.profiles / "strainwave_drive.yaml"
         before = there.read_bytes()

@@ -172,10 +172,26 @@ TEST(ParseEds, TakesEitherEndOfLineCaseAndAByteOrderMark) {
   EXPECT_EQ(ParseEds(text, "x").objects.size(), Good().objects.size());
 }
 
+TEST(ParseEds, TakesLinesThatEndInTwoCarriageReturns) {
+  std::string text;
+  for (const char c : kGood) text += c == '\n' ? std::string("\r\r\n") : std::string(1, c);
+  EXPECT_EQ(ParseEds(text, "x").objects.size(), Good().objects.size());
+  EXPECT_EQ(ParseEds(text, "x").notes, Good().notes);
+}
+
 TEST(ParseEds, TakesWhatADcfFileSetsForTheDefault) {
   const EdsFile file =
       ParseEds(Replaced("DefaultValue=-12\n", "DefaultValue=-12\nParameterValue=99\n"), "x.dcf");
   EXPECT_EQ(file.objects.at({0x2000, 0}).default_value, "99");
+  EXPECT_TRUE(file.objects.at({0x2000, 0}).is_set_for_node);
+}
+
+// Editors write the key into every section.
+TEST(ParseEds, TakesTheDefaultWhereADcfFileSetsNothing) {
+  const EdsFile file =
+      ParseEds(Replaced("DefaultValue=-12\n", "DefaultValue=-12\nParameterValue=\n"), "x.dcf");
+  EXPECT_EQ(file.objects.at({0x2000, 0}).default_value, "-12");
+  EXPECT_FALSE(file.objects.at({0x2000, 0}).is_set_for_node);
 }
 
 std::string Notes(std::string_view from, std::string_view to) {
@@ -354,14 +370,16 @@ TEST(EdsNumber, ReadsEachFormOfCia306) {
   EXPECT_EQ(EdsNumber("-12", 5), -12);
   EXPECT_EQ(EdsNumber("$NODEID+0x600", 5), 0x605);
   EXPECT_EQ(EdsNumber("$NodeId + 0x180", 0x7F), 0x1FF);
+  EXPECT_EQ(EdsNumber("0x180 + $NodeId", 5), 0x185);
   EXPECT_EQ(EdsNumber("$NODEID", 5), 5);
   EXPECT_EQ(EdsNumber("$NODEID+0x80000200", 1), 0x80000201);
   EXPECT_EQ(EdsNumber("-9223372036854775808", 5), std::numeric_limits<std::int64_t>::min());
 }
 
 TEST(EdsNumber, SaysNothingForAnythingElse) {
-  for (const char* text : {"", "-", "0x", "12a", "0x1G", "08", "1 2", "+5", "--5", "1.5", "$NODE+1",
-                           "$NODEID-1", "$NODEID+", "$NODEID+-1", "0x600+$NODEID", "9223372036854775808"}) {
+  for (const char* text :
+       {"", "-", "0x", "12a", "0x1G", "08", "1 2", "+5", "--5", "1.5", "$NODE+1", "$NODEID-1", "$NODEID+",
+        "$NODEID+-1", "+$NODEID", "-1+$NODEID", "1+1", "$NODEID+$NODEID", "9223372036854775808"}) {
     EXPECT_EQ(EdsNumber(text, 5), std::nullopt) << text;
   }
 }

@@ -120,6 +120,26 @@ TEST(StandardPdos, AddTheNodeToEveryIdentifier) {
   EXPECT_EQ(cob_ids, (std::vector<std::uint32_t>{0x205, 0x305, 0x405, 0x185, 0x285, 0x385}));
 }
 
+TEST(StandardPdos, SendTheStatuswordWithSyncWhereTheDriveCannotRepeatItByItself) {
+  DriveProfile profile = EasyProfile();
+  const auto status = [&profile] { return StandardPdos(profile).at(3); };
+  EXPECT_EQ(status().transmission_type, 255);
+  EXPECT_EQ(status().event_timer_ms, 8);
+  profile.quirks.lacks_tpdo_event_timer = true;
+  EXPECT_EQ(status().transmission_type, 1);
+  EXPECT_EQ(status().event_timer_ms, std::nullopt);
+  EXPECT_EQ(CheckProfile(profile), Findings{});
+}
+
+TEST(StandardPdos, LeaveOutAnErrorCodeThatTheDriveLacks) {
+  DriveProfile profile = EasyProfile();
+  EXPECT_EQ(StandardPdos(profile).at(3).entries.size(), 3U);
+  profile.quirks.absent_objects = {0x603F};
+  EXPECT_EQ(StandardPdos(profile).at(3).entries,
+            (std::vector<PdoEntry>{{{0x6041, 0}, 16}, {{0x6061, 0}, 8}}));
+  EXPECT_EQ(CheckProfile(profile), Findings{});
+}
+
 TEST(StandardPdos, MapTheDigitalInputsOnlyWhereSomethingIsReadFromThem) {
   DriveProfile profile = EasyProfile();
   EXPECT_EQ(StandardPdos(profile).back().entries.size(), 1U);

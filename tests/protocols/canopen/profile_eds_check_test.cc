@@ -102,7 +102,7 @@ TEST(CheckProfileAgainstEds, FindsObjectsThatTheDriveLacks) {
       (Findings{
           "605Ah:00 (quick stop option code) is not in the EDS (expected it there; where the drive lacks it, "
           "quirks: {absent_objects: [0x605A]} in the profile)",
-          "6077h:00 is mapped, but is not in the EDS"}));
+          "6077h:00 is mapped, but is not in the EDS (expected it there; the master cannot do without it)"}));
 }
 
 TEST(CheckProfileAgainstEds, FindsAnAbsentObjectThatIsThere) {
@@ -118,9 +118,89 @@ TEST(CheckProfileAgainstEds, NamesNoKeyForWhatADriveMustHave) {
         eds.objects.erase({0x1017, 0});
         eds.objects.erase({0x1400, 5});
       }),
-      (Findings{"1017h:00 (heartbeat of the drive) is not in the EDS",
+      (Findings{"1017h:00 (heartbeat of the drive) is not in the EDS: a drive without heartbeats (1016h, "
+                "1017h) cannot be watched",
                 "1400h:05 (RPDO 1) is not in the EDS (expected it there; where the drive lacks it, quirks: "
                 "{lacks_rpdo_event_timer: true} in the profile)"}));
+}
+
+// Without their mapping, PDOs would carry what somebody has once set.
+TEST(CheckProfileAgainstEds, NeverAdvisesToLeaveOutPdos) {
+  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
+              eds.objects.erase({0x1600, 2});
+            }),
+            (Findings{"1600h:02 (RPDO 1) is not in the EDS (expected it there; the profile's pdos may name "
+                      "others)"}));
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
+              p.pdos = StandardPdos(p);
+              eds.objects.erase({0x1800, 5});
+            }),
+            (Findings{"1800h:05 (TPDO 1) is not in the EDS (expected only PDOs and entries that the drive "
+                      "has in pdos)"}));
+}
+
+TEST(CheckProfileAgainstEds, TakesADriveThatCannotRepeatItsStatusword) {
+  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
+              eds.objects.erase({0x1800, 5});
+            }),
+            (Findings{"1800h:05 (TPDO 1) is not in the EDS (expected it there; where the drive lacks it, "
+                      "quirks: {lacks_tpdo_event_timer: true} in the profile)"}));
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
+              eds.objects.erase({0x1800, 5});
+              p.quirks.lacks_tpdo_event_timer = true;
+            }),
+            Findings{});
+}
+
+TEST(CheckProfileAgainstEds, TakesADriveThatCannotMapItsErrorCode) {
+  const std::string how =
+      " (expected it there; where the drive lacks it, quirks: {absent_objects: [0x603F]} in the profile)";
+  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
+              eds.objects.erase({0x603F, 0});
+            }),
+            (Findings{"603Fh:00 is mapped, but is not in the EDS" + how}));
+  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
+              eds.objects[{0x603F, 0}].mappable = false;
+            }),
+            (Findings{"603Fh:00 Error code: is mapped, but the EDS does not allow it" + how}));
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
+              eds.objects[{0x603F, 0}].mappable = false;
+              p.quirks.absent_objects = {0x603F};
+            }),
+            Findings{});
+}
+
+TEST(CheckProfileAgainstEds, SaysWhereOtherPdosAreAWayOut) {
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
+              p.modes = {OperationMode::kProfileVelocity};
+              eds.objects.erase({0x607A, 0});
+            }),
+            (Findings{"607Ah:00 is mapped, but is not in the EDS (expected it there; the profile's pdos may "
+                      "do without it)"}));
+}
+
+TEST(CheckProfileAgainstEds, NamesTheLineOfTheEds) {
+  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
+              eds.objects[{0x6085, 0}].access = kConstant;
+              eds.objects[{0x6085, 0}].line = 71;
+            }),
+            (Findings{"6085h:00 Quick stop deceleration (line 71 of the EDS): is written, but can only be "
+                      "read"}));
+}
+
+// The upper half of the object is the watched node, which no limit of 16 bits leaves room for.
+TEST(CheckProfileAgainstEds, TakesALimitOfTheHeartbeatsTimeForWhatItIs) {
+  const auto findings = [](const std::string& high_limit) {
+    return CheckWith([&](DriveProfile& p, EdsFile& eds) {
+      p.supervision.master_timeout_ms = 150;
+      eds.objects[{0x1016, 1}].high_limit = high_limit;
+    });
+  };
+  EXPECT_EQ(findings("65535"), Findings{});
+  EXPECT_EQ(findings("149"),
+            (Findings{"1016h:01 Consumer heartbeat time: 150 is above the EDS's high limit 149"}));
+  EXPECT_EQ(findings("0x10000"),
+            (Findings{"1016h:01 Consumer heartbeat time: 8323222 is above the EDS's high limit 65536"}));
 }
 
 TEST(CheckProfileAgainstEds, LetsTheProfileNotLookAtWhatIsOnlyRead) {
@@ -131,6 +211,11 @@ TEST(CheckProfileAgainstEds, ComparesNoIdentityThatTheEdsDoesNotGive) {
   EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
               p.identity.product = 0x18;
               eds.product_number.reset();
+            }),
+            Findings{});
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
+              p.identity.product = 0x18;
+              eds.product_number = 0;
             }),
             Findings{});
 }
@@ -196,7 +281,8 @@ TEST(CheckProfileAgainstEds, FindsWhatCannotBeMapped) {
               eds.objects[{0x6064, 0}].type = kInteger16;
             }),
             (Findings{"6060h:00 Modes of operation: is mapped to be written, but can only be read",
-                      "60FEh:01 Physical outputs: is mapped, but the EDS does not allow it",
+                      "60FEh:01 Physical outputs: is mapped, but the EDS does not allow it (expected it "
+                      "there; the master cannot do without it)",
                       "6064h:00 Position actual value: 32 bits mapped, 16 in the EDS"}));
 }
 
