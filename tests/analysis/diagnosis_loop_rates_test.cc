@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "analysis/noise_level.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/diagnosed_loop.h"
@@ -45,6 +49,30 @@ TEST(RateDependence, OfTheTorqueThatIsFeltIsNotAnotherCauseBesideIt) {
   const ParameterValue lag = answer.value("torque_lag_s");
   EXPECT_NEAR(lag.value, 0.15, 4.0 * lag.standard_error);
   EXPECT_LT(lag.standard_error, 0.02);
+}
+
+// Where noise of the torque is all there is, the twist's goes with the gear's compliance.
+TEST(HysteresisWeights, AreThoseOfTheTorquesNoise) {
+  const std::vector<PathLeg> path{{34.0, 1.0}, {-34.0, 1.0}, {34.0, 1.0}};
+  const auto above_over_below = [&](double torque_noise_Nm, double angle_noise_rad) {
+    const HysteresisData record = GenerateLoop(
+        {}, {.torque_noise_Nm = torque_noise_Nm, .angle_noise_rad = angle_noise_rad}, path, 6000, 4);
+    const auto study = MakeHysteresisStudy(std::vector<HysteresisData>{record});
+    const std::span<const double> weights = study->Weights();
+    double sum = 0.0;
+    std::vector<double> below;
+    std::vector<double> above;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      sum += weights[i];
+      const double torque_Nm = std::abs(record.torque_Nm[i]);
+      if (torque_Nm < 5.0) below.push_back(weights[i]);
+      if (torque_Nm > 27.0) above.push_back(weights[i]);
+    }
+    EXPECT_NEAR(sum / static_cast<double>(weights.size()), 1.0, 1e-9);
+    return Median(above) / Median(below);
+  };
+  EXPECT_NEAR(above_over_below(0.05, RadFromArcmin(1e-4)), 4.0, 0.6);  // (K3 / K1)²
+  EXPECT_NEAR(above_over_below(0.001, RadFromArcmin(0.05)), 1.0, 0.05);
 }
 
 // Locked at another angle of the input a gear is softer by some percent.

@@ -12,7 +12,6 @@
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
-
 namespace {
 
 TorsionalStiffness StiffnessOfRecord(const LoopRecords& records, std::size_t record,
@@ -53,9 +52,10 @@ std::vector<UserQuantity> QuantitiesOfLoops(const LoopRecords& records, const Ei
 }
 
 std::string DifferentStiffnesses(const LoopRecords& records) {
-  constexpr double kBeyondErrors = 5.0;
-  constexpr double kLeastShare = 0.01;
-  std::vector<Estimate> all;  // K2: the one that every loop holds most of
+  if (records.samples.records() < 2) return {};
+  constexpr double kBeyondErrors = 5.0;  // standard errors of the difference
+  constexpr double kLeastShare = 0.01;   // of K2: less moves no number that people use
+  std::vector<Estimate> all;             // K2: the one that every loop holds most of
   for (std::size_t r = 0; r < records.samples.records(); ++r)
     all.push_back(StiffnessOfRecord(records, r, records.measured_rad.data()).k2_Nm_per_rad);
   std::erase_if(all,
@@ -68,8 +68,8 @@ std::string DifferentStiffnesses(const LoopRecords& records) {
     return {};
   return fmt::format(
       "the records differ in stiffness, K2 from {:.0f} ± {:.0f} to {:.0f} ± {:.0f} Nm/rad, and one "
-      "simulation "
-      "with one stiffness explains none of them: it depends on the angle at which the input is locked "
+      "simulation with one stiffness explains none of them: it depends on the angle at which the input is "
+      "locked "
       "(position_dependent_stiffness, average over 0, 45 and 90 deg), or they are of other gears, "
       "temperatures or ages (each by itself shows what is missing in it)",
       low.value, low.standard_error, high.value, high.standard_error);

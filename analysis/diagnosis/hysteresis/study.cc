@@ -117,8 +117,9 @@ void HysteresisStudy::TakeFromNominal() {
   samples.position_rad.assign(position_rad.begin(), position_rad.end());
   Eigen::VectorXd gear;
   FillTwist(nominal.LawOf(nominal_start_), samples, gear);
-  noise_response_rad_ = ResponseToTorqueNoise(records_, gear);
-  weights_ = WeightsByTorqueNoise(records_, gear);
+  const std::vector<double> compliances_rad_per_Nm = CompliancesOf(records_, gear);
+  noise_response_rad_ = ResponseToTorqueNoise(records_, compliances_rad_per_Nm);
+  weights_ = WeightsByTorqueNoise(records_, compliances_rad_per_Nm);
   for (Index i = 0; i < gear.size(); ++i)
     samples.twist_rad[static_cast<std::size_t>(i)] -= noise_response_rad_(i);
 }

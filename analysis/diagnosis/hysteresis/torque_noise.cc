@@ -9,9 +9,6 @@
 
 namespace strainwave::analysis::diagnosis {
 
-namespace {
-
-// Of the nominal gear, at each sample: the slope of its twist over the torque.
 std::vector<double> CompliancesOf(const LoopRecords& records, const Eigen::VectorXd& gear_rad) {
   const LoopGrid& samples = records.samples;
   const double usual = records.compliance_rad_per_Nm();
@@ -29,22 +26,21 @@ std::vector<double> CompliancesOf(const LoopRecords& records, const Eigen::Vecto
   return compliances;
 }
 
-}  // namespace
-
-Eigen::VectorXd ResponseToTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad) {
-  const std::vector<double> compliances = CompliancesOf(records, gear_rad);
-  Eigen::VectorXd response_rad(gear_rad.size());
-  for (Eigen::Index i = 0; i < gear_rad.size(); ++i) {
+Eigen::VectorXd ResponseToTorqueNoise(const LoopRecords& records,
+                                      std::span<const double> compliances_rad_per_Nm) {
+  Eigen::VectorXd response_rad(static_cast<Eigen::Index>(compliances_rad_per_Nm.size()));
+  for (Eigen::Index i = 0; i < response_rad.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    response_rad(i) = compliances[k] * records.torque_noise_Nm[k];
+    response_rad(i) = compliances_rad_per_Nm[k] * records.torque_noise_Nm[k];
   }
   return response_rad;
 }
 
-std::vector<double> WeightsByTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad) {
+std::vector<double> WeightsByTorqueNoise(const LoopRecords& records,
+                                         std::span<const double> compliances_rad_per_Nm) {
   // Of the usual compliance: behind a reversal friction holds the gear, and the model is least sure of it.
   constexpr double kLeastCompliance = 0.5;
-  std::vector<double> weights = CompliancesOf(records, gear_rad);
+  std::vector<double> weights(compliances_rad_per_Nm.begin(), compliances_rad_per_Nm.end());
   const std::vector<std::size_t>& starts = records.samples.starts;
   for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
     const auto own = std::span(weights).subspan(starts[r], starts[r + 1] - starts[r]);
