@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <vector>
 
 #include "analysis/noise_level.h"
+#include "analysis/units.h"
 
 namespace strainwave::analysis::samples {
 namespace {
@@ -40,6 +42,21 @@ double QuantisationStep(std::span<const double> samples, double tolerance) {
     if (IsStepOf(changes, step, tolerance)) return step;
   }
   return 0.0;
+}
+
+bool StandsOnSteps(std::span<const double> samples, double step) {
+  constexpr double kAlike = 0.9;  // mean of the phases' vectors; 1 on steps, near 0 anywhere
+  // Over the whole range the file's last digits would add up.
+  double way = 0.0;
+  double steps = 0.0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    way += std::abs(samples[i] - samples[i - 1]);
+    steps += std::round(std::abs(samples[i] - samples[i - 1]) / step);
+  }
+  const double mean_step = way / steps;
+  std::complex<double> sum;
+  for (const double sample : samples) sum += std::polar(1.0, kTwoPi * (sample - samples.front()) / mean_step);
+  return std::abs(sum) > kAlike * static_cast<double>(samples.size());
 }
 
 double QuantisationStepOfSweep(std::span<const double> samples) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <set>
 #include <vector>
 
@@ -9,7 +8,6 @@
 
 #include "analysis/samples/holds.h"
 #include "analysis/samples/resolution.h"
-#include "analysis/units.h"
 #include "bench/records/looks.h"
 #include "daq/record_rules.h"
 
@@ -20,23 +18,6 @@ constexpr double kFewSteps = 300.0;     // from end to end: what is told apart i
 constexpr std::size_t kFewLevels = 20;  // of a whole record: it stands on steps, however seldom it takes one
 constexpr double kGivesBack = -0.1;     // of all work that passes, over the record
 
-// Whether the values stand on multiples of a step and a constant. A signal that goes on evenly changes by
-// equal amounts, too, but not by those of the way there and the way back alike.
-bool StandOnSteps(const std::vector<double>& values, double step) {
-  constexpr double kAlike = 0.9;  // mean of the phases' vectors; 1 on steps, near 0 anywhere
-  // Over the whole range the file's last digits would add up.
-  double way = 0.0;
-  double steps = 0.0;
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    way += std::abs(values[i] - values[i - 1]);
-    steps += std::round(std::abs(values[i] - values[i - 1]) / step);
-  }
-  const double mean_step = way / steps;
-  std::complex<double> sum;
-  for (const double value : values) sum += std::polar(1.0, kTwoPi * (value - values.front()) / mean_step);
-  return std::abs(sum) > kAlike * static_cast<double>(values.size());
-}
-
 void LookAtSteps(daq::Record& record, const char* column, const char* unit) {
   const std::vector<double> values = record.CopyAsDoubles(column);
   const std::set<double> levels(values.begin(), values.end());
@@ -45,7 +26,8 @@ void LookAtSteps(daq::Record& record, const char* column, const char* unit) {
                           ? (*levels.rbegin() - *levels.begin()) / static_cast<double>(levels.size() - 1)
                           : analysis::samples::QuantisationStep(values);
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  if (!(step > 0.0) || *high - *low >= kFewSteps * step || !StandOnSteps(values, step)) return;
+  if (!(step > 0.0) || *high - *low >= kFewSteps * step || !analysis::samples::StandsOnSteps(values, step))
+    return;
   NoteOn(
       record,
       fmt::format("{} stands on steps of {:.3g} {}, {:.0f} from end to end: nothing finer can be told apart",

@@ -75,6 +75,21 @@ TEST(HysteresisWeights, AreThoseOfTheTorquesNoise) {
   EXPECT_NEAR(above_over_below(0.001, RadFromArcmin(0.05)), 1.0, 0.05);
 }
 
+// Changes of equal size are no steps of an encoder, whose rounding would hide the jump.
+TEST(HysteresisSteps, AreNotThoseOfAnEvenRamp) {
+  HysteresisData record = GenerateLoop({}, {.torque_noise_Nm = 0.02, .angle_noise_rad = RadFromArcmin(5e-4)},
+                                       {{34.0, 1.0}, {-34.0, 1.0}, {34.0, 1.0}}, 700, 3);
+  // The same torque over a twist that goes on by equal amounts, and turns between two of them.
+  const double step_rad = RadFromArcmin(0.1017);
+  for (std::size_t i = 0; i < record.output_angle_rad.size(); ++i) {
+    const double quarter = static_cast<double>(i) / 139.8;
+    const double share = quarter < 1.0 ? quarter : quarter < 3.0 ? 2.0 - quarter : quarter - 4.0;
+    record.output_angle_rad[i] =
+        139.8 * step_rad * share + 1e-3 * step_rad * std::sin(static_cast<double>(i * i));
+  }
+  EXPECT_EQ(MakeHysteresisStudy(std::vector<HysteresisData>{record})->Rounding(), 0.0);
+}
+
 // Locked at another angle of the input a gear is softer by some percent.
 TEST(HysteresisRecords, OfDifferentStiffnessAreTold) {
   const std::vector<PathLeg> path{{34.0, 1.0}, {-34.0, 1.0}, {34.0, 1.0}};

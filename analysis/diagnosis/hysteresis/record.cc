@@ -314,10 +314,13 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
   }
   prepared.step_s = std::max(prepared.step_s, prepared.duration_s / static_cast<double>(grid.size()));
   prepared.noise_floor_rad = NoiseFloorOf(prepared);
+  const auto step_of = [](std::span<const double> samples) {
+    const double step = samples::QuantisationStep(samples);
+    return step > 0.0 && samples::StandsOnSteps(samples, step) ? step : 0.0;
+  };
   for (const HysteresisData& record : records) {
-    const double step_rad =
-        std::hypot(samples::QuantisationStep(record.output_angle_rad),
-                   prepared.compliance_rad_per_Nm() * samples::QuantisationStep(record.torque_Nm));
+    const double step_rad = std::hypot(step_of(record.output_angle_rad),
+                                       prepared.compliance_rad_per_Nm() * step_of(record.torque_Nm));
     prepared.rounding_rad = std::max(prepared.rounding_rad, step_rad / std::sqrt(12.0));
   }
   prepared.block_length = BlockLengthOf(prepared);
