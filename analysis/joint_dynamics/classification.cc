@@ -5,6 +5,7 @@
 #include <numeric>
 #include <random>
 
+#include "analysis/joint_dynamics/excess_friction.h"
 #include "analysis/prediction/class_scores.h"
 #include "analysis/shuffle.h"
 
@@ -39,6 +40,21 @@ std::vector<int> FoldOfSamples(const FileSplit& split, const std::vector<int>& f
   return folds;
 }
 
+// Accuracy with its interval, confusion and area under the curve from the scores of the cases.
+void Judge(double threshold, SplitScore& result) {
+  result.cases = result.score.size();
+  result.confusion = Eigen::MatrixXi::Zero(2, 2);
+  for (std::size_t i = 0; i < result.cases; ++i)
+    ++result.confusion(result.actual[i], result.score[i] > threshold ? 1 : 0);
+  const double hits = result.confusion.trace();
+  const auto cases = static_cast<double>(result.cases);
+  result.accuracy = hits / cases;
+  const prediction::ShareInterval interval = prediction::WilsonInterval(hits, cases);
+  result.low = interval.low;
+  result.high = interval.high;
+  result.area_under_curve = prediction::AreaUnderCurve(result.actual, result.score);
+}
+
 SplitScore ScoreOf(const FileSplit& split, const std::vector<int>& file, const std::vector<int>& faulty,
                    const std::vector<double>& score, double threshold) {
   SplitScore result;
@@ -59,17 +75,7 @@ SplitScore ScoreOf(const FileSplit& split, const std::vector<int>& file, const s
     for (std::size_t f = 0; f < faulty.size(); ++f) result.score[f] /= std::max(1.0, samples[f]);
     result.actual = faulty;
   }
-  result.cases = result.score.size();
-  result.confusion = Eigen::MatrixXi::Zero(2, 2);
-  for (std::size_t i = 0; i < result.cases; ++i)
-    ++result.confusion(result.actual[i], result.score[i] > threshold ? 1 : 0);
-  const double hits = result.confusion.trace();
-  const auto cases = static_cast<double>(result.cases);
-  result.accuracy = hits / cases;
-  const prediction::ShareInterval interval = prediction::WilsonInterval(hits, cases);
-  result.low = interval.low;
-  result.high = interval.high;
-  result.area_under_curve = prediction::AreaUnderCurve(result.actual, result.score);
+  Judge(threshold, result);
   return result;
 }
 
@@ -117,6 +123,40 @@ ScoreTable ScoreSplits(const std::vector<FileSplit>& splits,
   for (const auto& [key, score] : scores) {
     table[key.first->name][std::string(prediction::NameOf(key.second))] =
         ScoreOf(*key.first, file, faulty, score, prediction::ThresholdOf(key.second));
+  }
+  return table;
+}
+
+ScoreTable ScoreExcessFriction(const std::vector<FileSplit>& splits,
+                               const std::map<std::string, SampleFeatures>& nominal,
+                               const std::vector<int>& file, const std::vector<int>& faulty, Index joints) {
+  ScoreTable table;
+  const auto files = static_cast<Index>(faulty.size());
+  for (const FileSplit& split : splits) {
+    const auto features = nominal.find(split.name);
+    if (!split.impossible.empty() || split.by_samples || features == nominal.end()) continue;
+    SplitScore result;
+    result.actual = faulty;
+    result.score.assign(faulty.size(), 0.0);
+    bool possible = true;
+    for (int fold = 0; fold < split.folds && possible; ++fold) {
+      const Eigen::MatrixXd against = MeanAgainstMotion(features->second.For(fold), file, files, joints);
+      std::vector<Index> healthy;
+      for (std::size_t f = 0; f < faulty.size(); ++f) {
+        if (split.fold[f] != fold && faulty[f] == 0) healthy.push_back(static_cast<Index>(f));
+      }
+      possible = static_cast<Index>(healthy.size()) >= kFewestHealthyFiles;
+      if (!possible) break;
+      const ExcessFriction excess = FitExcessFriction(against(healthy, Eigen::all));
+      for (std::size_t f = 0; f < faulty.size(); ++f) {
+        if (split.fold[f] == fold)
+          result.score[f] = excess.Score(against.row(static_cast<Index>(f))) / excess.limit;
+      }
+    }
+    if (!possible) continue;
+    Judge(1.0, result);
+    result.sample_accuracy = result.accuracy;
+    table[split.name][kExcessFriction] = std::move(result);
   }
   return table;
 }

@@ -50,4 +50,16 @@ ScoreTable ScoreSplits(const std::vector<FileSplit>& splits,
                        const std::vector<int>& faulty, const std::vector<prediction::BinaryKind>& kinds,
                        const prediction::BinarySettings& settings, const ParallelFor& parallel = InTurn);
 
+/// The kind under which `ScoreExcessFriction` stands in a table.
+inline constexpr const char* kExcessFriction = "excess_friction";
+
+/// How well the greatest excess friction of a file tells faulty ones (excess_friction.h). It learns from
+/// healthy files alone; scores are over the limit, so that above 1 a file counts as faulty. Splits that deal
+/// samples, and those with fewer than `kFewestHealthyFiles` healthy files outside of a fold, are left out.
+/// @param nominal  nominal fingerprints of all samples, by name of the split.
+ScoreTable ScoreExcessFriction(const std::vector<FileSplit>& splits,
+                               const std::map<std::string, SampleFeatures>& nominal,
+                               const std::vector<int>& file, const std::vector<int>& faulty,
+                               Eigen::Index joints);
+
 }  // namespace strainwave::analysis::joint_dynamics

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -15,6 +16,7 @@
 #include "bench/fingerprint/export_fingerprints.h"
 #include "bench/fingerprint/fingerprint_file.h"
 #include "bench/fingerprint/fingerprint_json.h"
+#include "bench/fingerprint/fingerprint_names.h"
 #include "bench/fingerprint/fingerprint_pictures.h"
 #include "bench/plots/gnuplot.h"
 #include "bench/prediction/onnx_model.h"
@@ -38,17 +40,19 @@ struct FingerprintTrainCommand {
 };
 
 Fingerprint FingerprintOf(const std::string& name) {
-  for (const Fingerprint fingerprint : {Fingerprint::kJoint, Fingerprint::kGroup, Fingerprint::kTensor}) {
-    if (dynamics::NameOf(fingerprint) == name) return fingerprint;
+  try {
+    return FingerprintKindNamed(name);
+  } catch (const std::invalid_argument&) {
+    Refuse("--fingerprint", fmt::format("'{}' is no fingerprint", name), "joint, group or tensor");
   }
-  Refuse("--fingerprint", fmt::format("'{}' is no fingerprint", name), "joint, group or tensor");
 }
 
 Method MethodOf(const std::string& name) {
-  for (const Method method : {Method::kExact, Method::kKernel, Method::kGradients}) {
-    if (dynamics::NameOf(method) == name) return method;
+  try {
+    return AttributionMethodNamed(name);
+  } catch (const std::invalid_argument&) {
+    Refuse("--method", fmt::format("'{}' is no method", name), "exact, kernel or gradients");
   }
-  Refuse("--method", fmt::format("'{}' is no method", name), "exact, kernel or gradients");
 }
 
 int TrainFingerprintModel(FingerprintTrainCommand command) {
@@ -136,7 +140,7 @@ int ExportFingerprintModel(const FingerprintExportCommand& command) {
       "fingerprints\n{}: model card (and .json)\nread back by OpenCV dnn: agrees to {:.1e} of a torque's "
       "deviation and "
       "{:.1e} of probability\n",
-      (written.folder / "nominal.onnx").string(), (written.folder / "classifier.onnx").string(), kOnnxOpset,
+      (written.folder / kNominalOnnx).string(), (written.folder / kClassifierOnnx).string(), kOnnxOpset,
       (written.folder / "recipe.json").string(), (written.folder / "model_card.md").string(),
       written.nominal_disagreement, written.classifier_disagreement);
   return static_cast<int>(ExitCode::kDone);

@@ -80,6 +80,8 @@ void PrintFingerprintTraining(const FingerprintData& data, const FingerprintOutc
   PrintScores("raw signals", outcome, outcome.raw, kinds);
   PrintScores("fingerprints by nominal networks of healthy units (those that the model uses)", outcome,
               outcome.nominal, kinds);
+  PrintScores("friction above that of healthy files by these networks, told without a faulty file", outcome,
+              outcome.excess_friction, {dynamics::kExcessFriction});
   PrintScores("fingerprints by each file's own network, as published", outcome, outcome.per_file, kinds);
   PrintScores("the same with labels dealt anew among files: what is left is the files' identity", outcome,
               outcome.shuffled, {std::string(prediction::NameOf(prediction::BinaryKind::kForest))});

@@ -26,7 +26,9 @@
 #include "bench/monitor/modbus_server.h"
 #include "bench/monitor/monitor_loop.h"
 #include "bench/monitor/mqtt_publisher.h"
+#include "bench/monitor/open_exported.h"
 #include "bench/monitor/prometheus_server.h"
+#include "bench/monitor/replay_records.h"
 #include "bench/monitor/replay_source.h"
 #include "bench/monitor/settings.h"
 #include "bench/monitor/sparkplug_metrics.h"
@@ -62,8 +64,7 @@ constexpr double kSimulatedSpeed_rpm = 2400.0;
 constexpr double kSimulatedTorque_Nm = 40.0;
 
 // A device that can never give what the predictor takes is told before anything is published.
-void RequireFit(const AcquisitionSource& source, const FeatureRecipe& recipe) {
-  const SignalSettings wanted = recipe.signals();
+void RequireFit(const AcquisitionSource& source, const SignalSettings& wanted) {
   if (DecimationFactor(source.sample_rate_hz(), wanted) == 0) {
     throw BenchError(ExitCode::kWrongInput, fmt::format("{}: error: {}", source.name(),
                                                         RateFault(source.sample_rate_hz(), wanted).text));
@@ -81,7 +82,7 @@ void RequireFit(const AcquisitionSource& source, const FeatureRecipe& recipe) {
 
 std::unique_ptr<VibrationSource> MakeAcquisitionSource(const MonitorCommand& command,
                                                        const MonitorSettings& settings,
-                                                       const FeatureRecipe& recipe, std::int64_t start_ns) {
+                                                       const SignalSettings& wanted, std::int64_t start_ns) {
   StreamSettings given = settings.source.value_or(StreamSettings{});
   if (!command.source.empty()) given.address = ParseStreamAddress(command.source);
   const double pace = ParsePace(command.pace);
@@ -95,12 +96,12 @@ std::unique_ptr<VibrationSource> MakeAcquisitionSource(const MonitorCommand& com
   if (std::holds_alternative<daq::acquisition::ReplaySettings>(given.address)) stream.pace = pace;
   auto source = std::make_unique<AcquisitionSource>(MakeSampleSource(std::move(given.address), pace),
                                                     std::move(stream));
-  RequireFit(*source, recipe);
+  RequireFit(*source, wanted);
   return source;
 }
 
 std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const MonitorSettings& settings,
-                                            const ExportedPredictor& predictor) {
+                                            const SignalNeeds& needs) {
   const double pace = ParsePace(command.pace);
   const std::int64_t start_ns = UtcMilliseconds() * 1'000'000;
   const auto asked = command.simulate + !command.replay.empty() + !command.source.empty();
@@ -110,17 +111,16 @@ std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const
                      "records, --simulate, or a section `source` in the settings)");
   }
   if (!command.source.empty() || asked == 0)
-    return MakeAcquisitionSource(command, settings, predictor.recipe(), start_ns);
+    return MakeAcquisitionSource(command, settings, needs.signals, start_ns);
   if (!command.simulate) {
     return std::make_unique<ReplaySource>(
         ReplaySettings{.files = RecordFilesOf({command.replay.begin(), command.replay.end()}),
+                       .read = ReplayedRecords(needs, RecordReader(command.map)),
                        .rounds = command.rounds,
                        .every_s = command.every_s,
                        .pace = pace,
                        .ratio = settings.ratio,
-                       .start_ns = start_ns,
-                       .motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe().channels)),
-                       .reader = RecordReader(command.map)});
+                       .start_ns = start_ns});
   }
   return std::make_unique<SimulatedVibrationSource>(
       command.bench.empty() ? EmbeddedBench() : ReadBenchFile(command.bench),
@@ -128,7 +128,7 @@ std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const
           .input_speed_rad_per_s = RadPerSFromRpm(command.input_speed_rpm.value_or(kSimulatedSpeed_rpm)),
           .output_torque_Nm = command.output_torque_Nm.value_or(kSimulatedTorque_Nm),
           .ratio = settings.ratio,
-          .sample_rate_hz = predictor.recipe().sample_rate_hz,
+          .sample_rate_hz = needs.signals.sample_rate_hz,
           .duration_s = command.duration_s,
           .pace = pace,
           .start_ns = start_ns});
@@ -237,20 +237,21 @@ void TellLost(const MqttPublisher::NotDelivered& left, const std::filesystem::pa
 }
 
 // Windows as in training, unless the settings have others.
-WindowRule RuleFor(const MonitorCommand& command, const MonitorSettings& settings,
-                   const FeatureRecipe& recipe) {
+WindowRule RuleFor(const MonitorCommand& command, const MonitorSettings& settings, const SignalNeeds& needs) {
   WindowRule rule = settings.windows;
-  rule.length = recipe.window;
-  rule.sample_rate_hz = recipe.decimates ? recipe.sample_rate_hz : 0.0;
-  rule.trigger_samples = recipe.least_samples;
+  // A replayed cycle of a motor is a measurement of its own, and no two have quite as many samples.
+  const bool by_cycles = needs.records == daq::RecordKind::kMotor && !command.replay.empty();
+  rule.length = by_cycles ? WindowLength{} : needs.window;
+  rule.sample_rate_hz = needs.signals.decimates ? needs.signals.sample_rate_hz : 0.0;
+  rule.trigger_samples = needs.least_samples;
   rule.ratio = settings.ratio;
   const bool whole_records = rule.by != WindowRule::By::kRevolution && rule.trigger_channel.empty() &&
-                             (rule.by == WindowRule::By::kTrigger || recipe.window == WindowLength{});
+                             (rule.by == WindowRule::By::kTrigger || rule.length == WindowLength{});
   if (!whole_records || !command.replay.empty()) return rule;
   // A stream that runs on without a mark: a turn of the simulated bench, and of a device as many samples as
   // the shortest record of the training had.
   rule.by = command.simulate ? WindowRule::By::kRevolution : WindowRule::By::kTraining;
-  rule.length = {.samples = recipe.least_samples, .turns = 0};
+  rule.length = {.samples = needs.least_samples, .turns = 0};
   return rule;
 }
 
@@ -262,19 +263,18 @@ int Run(const MonitorCommand& command) {
                           waits ? LiveOutput::Results::kWaitedFor : LiveOutput::Results::kDropped);
   const MonitorSettings settings =
       command.settings.empty() ? MonitorSettings{} : ReadMonitorSettings(command.settings);
-  ExportedPredictor predictor(command.predictor);
-  predictor.UseBaseline(command.baseline);
+  const std::unique_ptr<ExportedModel> model = OpenExported(command.predictor, command.baseline);
+  const SignalNeeds needs = model->needs();
   std::unique_ptr<OutboxStore> store;
   if (settings.mqtt && !settings.mqtt->outbox_file.empty())
     store = std::make_unique<OutboxStore>(settings.mqtt->outbox_file);
-  WindowJudge judge(predictor, settings.limits, store ? store->last_window() : 0,
-                    GivenPoint(command, settings));
-  const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, predictor);
-  WindowCutter cutter(RuleFor(command, settings, predictor.recipe()));
-  Board board({predictor.outputs(), predictor.coverage(), settings.stale_after_ms, predictor.classes()},
+  WindowJudge judge(*model, settings.limits, store ? store->last_window() : 0, GivenPoint(command, settings));
+  const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, needs);
+  WindowCutter cutter(RuleFor(command, settings, needs));
+  Board board({model->outputs(), model->coverage(), settings.stale_after_ms, model->classes()},
               [&source] { return source->NowNanoseconds() / 1'000'000; });
   Say(fmt::format("self-test of {}: files unchanged, network off its golden vectors by {:.1e}",
-                  command.predictor, predictor.worst_disagreement()));
+                  command.predictor, model->worst_disagreement()));
   std::optional<PrometheusServer> prometheus;
   std::optional<ModbusServer> modbus;
   std::optional<MqttPublisher> mqtt;
@@ -327,7 +327,8 @@ int Run(const MonitorCommand& command) {
 void AddMonitor(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "monitor",
-      "Run an exported predictor on a stream of vibration: windows, values with intervals, alarms; publish "
+      "Run an exported predictor on a stream of vibration, motor signals or joints: windows, values with "
+      "intervals, alarms; publish "
       "them to MQTT (Sparkplug B), Prometheus and Modbus TCP as the settings file says "
       "(bench/monitor/monitor.yaml has every key). Tests the predictor's folder before it starts.\n"
       "Ctrl-C ends it with a death certificate, exit code 130. What the broker does not take is kept, at "
@@ -345,7 +346,9 @@ void AddMonitor(CLI::App& app, Action& action) {
       "what the reducer was like at first, as `baseline` writes it, for a predictor of changes");
   command->add_option("--source", options->source,
                       fmt::format("a device that sends samples: {}", kStreamAddresses));
-  command->add_option("--replay", options->replay, "records as a stream: CSV, HDF5, campaign folders");
+  command->add_option(
+      "--replay", options->replay,
+      "records of the kind that the model was trained on, as a stream: CSV, HDF5, campaign folders");
   command->add_option("--rounds", options->rounds, "of a replay: times through all records")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();

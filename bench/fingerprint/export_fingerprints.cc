@@ -2,6 +2,7 @@
 #include "bench/fingerprint/export_fingerprints.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,8 @@
 #include "analysis/joint_dynamics/nominal.h"
 #include "analysis/prediction/fit_predictor.h"
 #include "bench/errors/bench_error.h"
+#include "bench/fingerprint/exported_fingerprint.h"
+#include "bench/fingerprint/fingerprint_names.h"
 #include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/onnx_model.h"
 #include "bench/prediction/onnx_network.h"
@@ -136,10 +139,10 @@ FingerprintExport ExportFingerprints(const FingerprintModel& model, const std::f
   const Index joints = model.joints();
   std::vector<std::string> torques;
   for (Index j = 1; j <= joints; ++j) torques.push_back(fmt::format("tau{}_Nm", j));
-  Json recipe{{"format", 1},
+  Json recipe{{"format", kFingerprintExportFormat},
               {"kind", "fingerprint"},
-              {"nominal", FileOf("nominal.onnx", nominal)},
-              {"classifier", FileOf("classifier.onnx", classifier)},
+              {"nominal", FileOf(kNominalOnnx, nominal)},
+              {"classifier", FileOf(kClassifierOnnx, classifier)},
               {"opset", kOnnxOpset},
               {"model_card_json", FileOf("model_card.json", card_json)},
               {"model_card_md", FileOf("model_card.md", card_text)},
@@ -150,6 +153,8 @@ FingerprintExport ExportFingerprints(const FingerprintModel& model, const std::f
                 {"order", model.smoothing.order},
                 {"acceleration", model.acceleration_measured ? "measured" : "from_velocity"}}},
               {"samples_per_file", model.samples},
+              {"sample_rate_hz", model.sample_rate_hz},
+              {"least_samples", std::lround(model.shortest_s * model.sample_rate_hz)},
               {"states", StateNames(joints)},
               {"torques", torques},
               {"torque_scale_Nm",
@@ -157,18 +162,20 @@ FingerprintExport ExportFingerprints(const FingerprintModel& model, const std::f
               {"fingerprint",
                {{"name", dynamics::NameOf(model.attribution.fingerprint)},
                 {"method", dynamics::NameOf(model.attribution.method)},
+                {"coalitions", model.attribution.coalitions},
+                {"seed", model.attribution.seed},
                 {"numbers", dynamics::NominalNames(model.attribution.fingerprint, joints)}}},
               {"background", RowsJson(model.background)},
               {"classes", {model.healthy, "faulty"}},
               {"self_test", {{"nominal", of_nominal.golden}, {"classifier", of_classifier.golden}}}};
   Seal(recipe);
   std::filesystem::create_directories(folder);
-  daq::WriteFileAtomically(folder / "nominal.onnx", nominal);
-  daq::WriteFileAtomically(folder / "classifier.onnx", classifier);
+  daq::WriteFileAtomically(folder / kNominalOnnx, nominal);
+  daq::WriteFileAtomically(folder / kClassifierOnnx, classifier);
   daq::WriteFileAtomically(folder / "model_card.json", card_json);
   daq::WriteFileAtomically(folder / "model_card.md", card_text);
   // Last: a folder without it is no exported model yet.
-  daq::WriteFileAtomically(folder / "recipe.json", recipe.dump(2) + "\n");
+  daq::WriteFileAtomically(folder / kExportedRecipe, recipe.dump(2) + "\n");
   return {folder, of_nominal.worst, of_classifier.worst};
 }
 

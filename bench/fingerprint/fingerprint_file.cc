@@ -8,6 +8,7 @@
 
 #include "analysis/joint_dynamics/nominal.h"
 #include "bench/errors/bench_error.h"
+#include "bench/fingerprint/fingerprint_names.h"
 #include "bench/prediction/network_json.h"
 #include "bench/prediction/sealed_json.h"
 #include "bench/sha256.h"
@@ -24,7 +25,7 @@ namespace prediction = analysis::prediction;
 using Json = nlohmann::ordered_json;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr int kFingerprintFormat = 1;
+constexpr int kFingerprintFormat = 2;
 constexpr const char* kFingerprintJson = "fingerprint.json";
 constexpr const char* kFingerprintNumbers = "numbers.h5";
 constexpr const char* kAsWritten = "a model as `strainwave fingerprint train` writes it";
@@ -88,14 +89,6 @@ class ModelNumbers {
   const daq::ArraysFile& file_;
 };
 
-template <typename Enum>
-Enum ByName(const Json& json, std::initializer_list<Enum> all) {
-  for (const Enum value : all) {
-    if (json.get<std::string>() == dynamics::NameOf(value)) return value;
-  }
-  throw std::invalid_argument(fmt::format("'{}' is not known", json.get<std::string>()));
-}
-
 Json DescriptionOf(const FingerprintModel& model) {
   return {{"format", kFingerprintFormat},
           {"joints", model.joints()},
@@ -107,6 +100,8 @@ Json DescriptionOf(const FingerprintModel& model) {
           {"window_s", model.smoothing.window_s},
           {"order", model.smoothing.order},
           {"acceleration", model.acceleration_measured ? "measured" : "from_velocity"},
+          {"sample_rate_hz", model.sample_rate_hz},
+          {"shortest_s", model.shortest_s},
           {"healthy_class", model.healthy},
           {"background", "states of healthy files, spread evenly over each"},
           {"novelty_limits",
@@ -116,13 +111,11 @@ Json DescriptionOf(const FingerprintModel& model) {
 }
 
 FingerprintModel ModelFrom(const Json& json, const ModelNumbers& numbers) {
-  using dynamics::Fingerprint, dynamics::Method;
   const auto joints = json.at("joints").get<Eigen::Index>();
   if (joints < 1) throw std::invalid_argument("a model of no joints");
   dynamics::AttributionSettings attribution;
-  attribution.fingerprint =
-      ByName(json.at("fingerprint"), {Fingerprint::kJoint, Fingerprint::kGroup, Fingerprint::kTensor});
-  attribution.method = ByName(json.at("method"), {Method::kExact, Method::kKernel, Method::kGradients});
+  attribution.fingerprint = FingerprintKindNamed(json.at("fingerprint").get<std::string>());
+  attribution.method = AttributionMethodNamed(json.at("method").get<std::string>());
   attribution.coalitions = json.at("coalitions").get<std::size_t>();
   attribution.seed = json.at("seed").get<std::uint64_t>();
   const auto features =
@@ -144,6 +137,10 @@ FingerprintModel ModelFrom(const Json& json, const ModelNumbers& numbers) {
   Eigen::RowVectorXd lowest = numbers.Take("lowest", 1, 3 * joints);
   Eigen::RowVectorXd highest = numbers.Take("highest", 1, 3 * joints);
   const bool measured = json.at("acceleration").get<std::string>() == "measured";
+  const auto sample_rate_hz = json.at("sample_rate_hz").get<double>();
+  const auto shortest_s = json.at("shortest_s").get<double>();
+  if (!(sample_rate_hz > 0.0) || !(shortest_s > 0.0))
+    throw std::invalid_argument("rate and shortest record are to be above 0");
   auto healthy = json.at("healthy_class").get<std::string>();
   std::string training = json.at("training").dump();
   // Nothing below throws: g++ 12 destroys the parts of a half-made aggregate twice.
@@ -159,6 +156,8 @@ FingerprintModel ModelFrom(const Json& json, const ModelNumbers& numbers) {
           .samples = samples,
           .smoothing = smoothing,
           .acceleration_measured = measured,
+          .sample_rate_hz = sample_rate_hz,
+          .shortest_s = shortest_s,
           .healthy = std::move(healthy),
           .training_json = std::move(training)};
 }
@@ -197,7 +196,7 @@ FingerprintModel ReadFingerprintModel(const std::filesystem::path& folder) {
     const Json json = Json::parse(text);
     if (json.at("format").get<int>() != kFingerprintFormat)
       Refuse(description, fmt::format("format {}", json.at("format").dump()),
-             fmt::format("format {}", kFingerprintFormat));
+             fmt::format("format {}; train the model again", kFingerprintFormat));
     RequireSeal(description, json);
     if (Sha256(bytes) != json.at("numbers").at("sha256").get<std::string>())
       Refuse(numbers, "the file has changed since it was written",

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/joint_dynamics/excess_friction.h"
 #include "analysis/joint_dynamics/nominal.h"
 
 namespace strainwave::bench {
@@ -51,6 +52,20 @@ Json TableJson(const FingerprintOutcome& outcome, const dynamics::ScoreTable& ta
     const std::string name(prediction::NameOf(kind));
     for (const dynamics::FileSplit& split : outcome.splits)
       json[name][split.name] = ScoresOfSplit(outcome, table, split, name);
+  }
+  return json;
+}
+
+Json ExcessFrictionJson(const FingerprintOutcome& outcome) {
+  Json json = Json::object();
+  for (const dynamics::FileSplit& split : outcome.splits) {
+    const bool too_few =
+        split.impossible.empty() && !split.by_samples && !outcome.excess_friction.contains(split.name);
+    json[split.name] =
+        split.by_samples ? NoScore("it is told of whole files")
+        : too_few        ? NoScore(fmt::format("with a fold left out, fewer than {} healthy files are left",
+                                               dynamics::kFewestHealthyFiles))
+                         : ScoresOfSplit(outcome, outcome.excess_friction, split, dynamics::kExcessFriction);
   }
   return json;
 }
@@ -134,6 +149,7 @@ Json TrainingJsonOf(const FingerprintData& data, const FingerprintJob& job,
           {"healthy_class", data.healthy},
           {"raw", TableJson(outcome, outcome.raw)},
           {"fingerprint", TableJson(outcome, outcome.nominal)},
+          {"excess_friction", ExcessFrictionJson(outcome)},
           {"fingerprint_per_file", TableJson(outcome, outcome.per_file)},
           {"shuffled_labels", ShuffledJson(outcome)},
           {"fingerprint_is",

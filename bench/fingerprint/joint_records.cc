@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -62,8 +63,8 @@ void JudgeTimes(std::span<const double> time_s, double step_s, std::vector<std::
                     uneven, time_s.size() - 1, step_s));
 }
 
-dynamics::JointMotion SmoothedMotion(const daq::Record& record, const dynamics::SavitzkyGolay& filter,
-                                     double step_s, bool measured) {
+dynamics::JointMotion MotionBy(const dynamics::SavitzkyGolay& filter, const daq::Record& record,
+                               double step_s, bool measured) {
   const std::size_t joints = daq::JointCount(record);
   const auto columns = static_cast<Eigen::Index>(joints);
   const auto rows = static_cast<Eigen::Index>(record.rows());
@@ -121,7 +122,9 @@ JointFile ReadJointFile(const std::filesystem::path& path, const Smoothing& smoo
     const dynamics::SavitzkyGolay filter = dynamics::MakeSavitzkyGolay(file.window, smoothing.order);
     file.half_power_hz = dynamics::HalfPowerFrequency(filter) * rate_hz;
     file.acceleration_measured = acceleration == Acceleration::kAsThere && HasAcceleration(record);
-    motions.push_back(SmoothedMotion(record, filter, step_s, file.acceleration_measured));
+    motions.push_back(MotionBy(filter, record, step_s, file.acceleration_measured));
+    const double duration_s = static_cast<double>(record.rows()) / rate_hz;
+    file.duration_s = motions.size() == 1 ? duration_s : std::min(file.duration_s, duration_s);
     if (motions.back().joints() != motions.front().joints())
       Refuse(
           path,
@@ -131,6 +134,16 @@ JointFile ReadJointFile(const std::filesystem::path& path, const Smoothing& smoo
   if (motions.empty()) Refuse(path, "holds no record", "one of kind joints");
   file.motion = motions.size() == 1 ? std::move(motions.front()) : dynamics::Stacked(motions);
   return file;
+}
+
+dynamics::JointMotion SmoothedMotion(const daq::Record& record, const Smoothing& smoothing,
+                                     double sample_rate_hz, Acceleration acceleration) {
+  std::vector<std::string> warnings;
+  const int window = WindowOf({}, {smoothing.window_s, smoothing.order, false}, sample_rate_hz, warnings);
+  if (record.rows() < static_cast<std::size_t>(window))
+    throw std::invalid_argument(fmt::format("{} samples, less than a window of {}", record.rows(), window));
+  return MotionBy(dynamics::MakeSavitzkyGolay(window, smoothing.order), record, 1.0 / sample_rate_hz,
+                  acceleration == Acceleration::kAsThere && HasAcceleration(record));
 }
 
 }  // namespace strainwave::bench

@@ -24,6 +24,7 @@ struct JointFile {
   std::filesystem::path path;
   analysis::joint_dynamics::JointMotion motion;
   double sample_rate_hz{};
+  double duration_s{};           // of the shortest record
   int window{};                  // samples
   double half_power_hz{};        // what the smoothing leaves: −3 dB
   bool acceleration_measured{};  // there were columns of it; else it is the slope of the velocities'
@@ -40,5 +41,13 @@ enum class Acceleration { kAsThere, kDerived };
 ///   window, fewer samples than two windows; daq::RecordError.
 JointFile ReadJointFile(const std::filesystem::path& path, const Smoothing& smoothing,
                         Acceleration acceleration);
+
+/// Smooths a record of joints.
+/// @param smoothing  as if by default: `as_given` aside.
+/// @param measured   its accelerations are taken as they stand; else the slope of the velocities'
+///   polynomials.
+/// @throws std::invalid_argument for fewer samples than the window.
+analysis::joint_dynamics::JointMotion SmoothedMotion(const daq::Record& record, const Smoothing& smoothing,
+                                                     double sample_rate_hz, Acceleration acceleration);
 
 }  // namespace strainwave::bench

@@ -199,6 +199,8 @@ FingerprintModel ModelOf(const FingerprintData& data, const FingerprintJob& job,
           .samples = job.samples,
           .smoothing = smoothing,
           .acceleration_measured = data.acceleration_measured,
+          .sample_rate_hz = data.files.front().sample_rate_hz,
+          .shortest_s = std::ranges::min(data.files, {}, &JointFile::duration_s).duration_s,
           .healthy = data.healthy,
           .training_json = {}};
 }
@@ -260,6 +262,8 @@ FingerprintOutcome TrainFingerprints(const FingerprintData& data, const Fingerpr
   outcome.raw = score({{"", {{RawSignals(samples)}}}}, 0);
   outcome.per_file = score({{"", {{outcome.per_file_fingerprints}}}}, 1);
   outcome.nominal = score(folds.features, 2);
+  outcome.excess_friction = dynamics::ScoreExcessFriction(
+      outcome.splits, folds.features, outcome.file_of_sample, data.facts.faulty, data.joints());
   progress("labels dealt anew", 1.0 - (1.0 - kShareOfFiles - kShareOfNominal) / 4.0);
   outcome.shuffled = ScoreShuffled(data, job, outcome);
   outcome.nominal_fingerprints = HonestFingerprints(folds, outcome.splits, outcome.file_of_sample);

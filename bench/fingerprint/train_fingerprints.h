@@ -39,6 +39,8 @@ struct FingerprintModel {
   Eigen::Index samples{};
   Smoothing smoothing;
   bool acceleration_measured{};
+  double sample_rate_hz{};  // of the first file
+  double shortest_s{};      // of all records
   std::string healthy;
   std::string training_json;  // what `train --json` has printed
 
@@ -64,6 +66,7 @@ struct FingerprintOutcome {
   std::vector<analysis::joint_dynamics::FileSplit> splits;
   analysis::joint_dynamics::ScoreTable raw;
   analysis::joint_dynamics::ScoreTable nominal;
+  analysis::joint_dynamics::ScoreTable excess_friction;
   analysis::joint_dynamics::ScoreTable per_file;
   analysis::joint_dynamics::ScoreTable shuffled;  // forests on the files' own fingerprints, labels dealt anew
   std::map<std::string, std::string> impossible;  // by split

@@ -48,6 +48,32 @@ std::vector<double> StateOf(const daq::Record& record) {
   return record.CopyAsDoubles("state");
 }
 
+struct CutRecord {
+  std::vector<std::vector<double>> channels;  // as kMotorChannels
+  health::MotorCycles cut;
+};
+
+CutRecord CutIntoCycles(const daq::Record& record) {
+  CutRecord result;
+  for (const std::string& channel : kMotorChannels) result.channels.push_back(record.CopyAsDoubles(channel));
+  result.cut = health::CutCycles(StateOf(record), result.channels.back());
+  for (const health::CycleRows& cycle : result.cut.cycles) {
+    if (cycle.count < kFewestCycleRows)
+      throw RecordRefusal(
+          record, fmt::format("a cycle has {} rows (expected {} or more)", cycle.count, kFewestCycleRows));
+  }
+  return result;
+}
+
+std::vector<daq::Record> ReadMotorRecords(const RecordReader& reader, const std::filesystem::path& path) {
+  std::vector<daq::Record> records = reader.Read(path);
+  std::set<std::string> kinds;
+  for (const daq::Record& record : records) kinds.emplace(record.kind.name());
+  std::erase_if(records, [](const daq::Record& record) { return record.kind != daq::RecordKind::kMotor; });
+  if (records.empty()) Refuse(path, fmt::format("kind is {}", fmt::join(kinds, ", ")), "motor");
+  return records;
+}
+
 MotorFeatures FeaturesOf(const daq::Record& record, analysis::features::PacketFeatures& features,
                          std::optional<double> sample_rate_hz) {
   MotorFeatures result;
@@ -59,9 +85,7 @@ MotorFeatures FeaturesOf(const daq::Record& record, analysis::features::PacketFe
   if (sample_rate_hz && std::abs(result.sample_rate_hz - *sample_rate_hz) > kSameRate * *sample_rate_hz)
     throw RecordRefusal(record, fmt::format("the sampling rate is {:g} Hz (expected {:g} Hz, as in training)",
                                             result.sample_rate_hz, *sample_rate_hz));
-  std::vector<std::vector<double>> channels;
-  for (const std::string& channel : kMotorChannels) channels.push_back(record.CopyAsDoubles(channel));
-  const health::MotorCycles cut = health::CutCycles(StateOf(record), channels.back());
+  const auto [channels, cut] = CutIntoCycles(record);
   result.cut = cut.note;
   const std::size_t per_channel = features.CountPerChannel();
   result.values.resize(static_cast<Eigen::Index>(cut.cycles.size()),
@@ -69,9 +93,6 @@ MotorFeatures FeaturesOf(const daq::Record& record, analysis::features::PacketFe
   std::vector<double> row(per_channel * channels.size());
   for (std::size_t k = 0; k < cut.cycles.size(); ++k) {
     const health::CycleRows& cycle = cut.cycles[k];
-    if (cycle.count < kFewestCycleRows)
-      throw RecordRefusal(
-          record, fmt::format("a cycle has {} rows (expected {} or more)", cycle.count, kFewestCycleRows));
     result.shortest = std::min(result.shortest, cycle.count);
     result.longest = std::max(result.longest, cycle.count);
     for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -100,16 +121,29 @@ std::vector<MotorFeatures> FeaturesOfMotorFile(const RecordReader& reader, const
                                                analysis::features::PacketFeatures& features,
                                                std::optional<double> sample_rate_hz) {
   std::vector<MotorFeatures> all;
-  std::set<std::string> kinds;
-  for (const daq::Record& record : reader.Read(path)) {
-    if (record.kind != daq::RecordKind::kMotor) {
-      kinds.insert(std::string(record.kind.name()));
-      continue;
-    }
+  for (const daq::Record& record : ReadMotorRecords(reader, path))
     all.push_back(FeaturesOf(record, features, sample_rate_hz));
-  }
-  if (all.empty()) Refuse(path, fmt::format("kind is {}", fmt::join(kinds, ", ")), "motor");
   return all;
+}
+
+std::vector<daq::Record> ReadMotorCycles(const RecordReader& reader, const std::filesystem::path& path) {
+  std::vector<daq::Record> cycles;
+  for (const daq::Record& record : ReadMotorRecords(reader, path)) {
+    std::vector<RecordWarning> warnings;
+    const double rate_hz = RateOf(record, warnings);
+    const auto [channels, cut] = CutIntoCycles(record);
+    for (const health::CycleRows& rows : cut.cycles) {
+      daq::Record cycle{.kind = record.kind, .metadata = {}, .columns = {}, .source = record.source};
+      cycle.SetMetadata("sample_rate_hz", rate_hz);
+      for (std::size_t c = 0; c < channels.size(); ++c) {
+        const auto samples = std::span<const double>(channels[c]).subspan(rows.begin, rows.count);
+        cycle.columns.push_back(
+            {kMotorChannels[c], std::vector<double>(samples.begin(), samples.end()), {}, {}});
+      }
+      cycles.push_back(std::move(cycle));
+    }
+  }
+  return cycles;
 }
 
 }  // namespace strainwave::bench

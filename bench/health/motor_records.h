@@ -41,4 +41,8 @@ std::vector<MotorFeatures> FeaturesOfMotorFile(const RecordReader& reader, const
                                                analysis::features::PacketFeatures& features,
                                                std::optional<double> sample_rate_hz);
 
+/// The cycles of the motor records of a file, a record each, in order, with `sample_rate_hz`.
+/// @throws as above, but for the rate.
+std::vector<daq::Record> ReadMotorCycles(const RecordReader& reader, const std::filesystem::path& path);
+
 }  // namespace strainwave::bench

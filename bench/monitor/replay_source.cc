@@ -9,6 +9,7 @@
 #include "analysis/units.h"
 #include "bench/campaign/folder.h"
 #include "bench/errors/bench_error.h"
+#include "bench/prediction/record_features.h"
 #include "bench/prediction/record_operating_point.h"
 #include "bench/records/record_data.h"
 #include "daq/record_error.h"
@@ -21,6 +22,16 @@ constexpr double kNanoseconds = 1e9;
 
 std::int64_t DurationOf_ns(const VibrationChunk& chunk, std::size_t samples) {
   return std::llround(static_cast<double>(samples) * kNanoseconds / chunk.sample_rate_hz);
+}
+
+// The columns that are signals.
+std::vector<std::string> SignalsOf(const daq::Record& record) {
+  if (record.kind == daq::RecordKind::kVibration) return VibrationChannelsOf(record);
+  std::vector<std::string> names;
+  for (const daq::Column& column : record.columns) {
+    if (column.name != "time_s") names.push_back(column.name);
+  }
+  return names;
 }
 
 // Turns of the output shaft from its start, where the record tells the speed of the input.
@@ -134,8 +145,7 @@ void ReplaySource::LoadFile(const std::filesystem::path& path) {
   VibrationChunk trouble;
   trouble.origin = path.string();
   try {
-    for (const daq::Record& record : ReadVibrationRecords(path, settings_.motor_torque, settings_.reader))
-      AddRecord(record);
+    for (const daq::Record& record : settings_.read(path)) AddRecord(record);
   } catch (const daq::RecordError& error) {
     trouble.trouble = error.what();
   } catch (const BenchError& error) {
@@ -150,7 +160,7 @@ void ReplaySource::AddRecord(const daq::Record& record) {
   VibrationChunk whole{
       .time_ns = 0,
       .sample_rate_hz = rate_hz,
-      .channels = VibrationChannelsOf(record),
+      .channels = SignalsOf(record),
       .samples = {},
       .output_turns = OutputTurnsOf(record, settings_.ratio, rate_hz),
       .origin = record.source.file + (record.source.group.empty() ? "" : " ") + record.source.group,
@@ -159,7 +169,7 @@ void ReplaySource::AddRecord(const daq::Record& record) {
   AddOperatingChannels(record, whole);
   if (whole.samples.empty() || whole.samples.front().empty()) {
     whole.samples.clear();
-    whole.trouble = "the record has no samples (expected channels of vibration)";
+    whole.trouble = "the record has no samples (expected signals)";
   }
   loaded_.push_back(std::move(whole));
 }

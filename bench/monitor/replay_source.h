@@ -6,24 +6,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
-#include "bench/prediction/record_features.h"
 #include "bench/roles/vibration_source.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
 
 struct ReplaySettings {
-  std::vector<std::filesystem::path> files;  // of vibration records, in order
-  int rounds{1};                             // through all files
+  std::vector<std::filesystem::path> files;  // in order
+  /// The records of a file, each a measurement of its own: replay_records.h.
+  std::function<std::vector<daq::Record>(const std::filesystem::path& file)> read;
+  int rounds{1};     // through all files
   double every_s{};  // from the beginning of one record to that of the next; 0: each follows the last at once
   double pace{1.0};  // times real time; infinity: as fast as it can
   double ratio{80.0};       // of the gear: turns of the input to one of the output
   std::int64_t start_ns{};  // time of the first sample, since 1970, UTC
-  MotorTorque motor_torque{MotorTorque::kAsRecorded};
-  RecordReader reader{};
 };
 
 /// Records of files as a stream in blocks. Each record is a measurement of its own; what cannot be read is a

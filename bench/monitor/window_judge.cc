@@ -26,24 +26,24 @@ std::vector<MonitoredOutput> OutputsOf(const PredictedOutputs& predicted) {
 
 }  // namespace
 
-WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number,
+WindowJudge::WindowJudge(ExportedModel& model, const OutputLimits& limits, std::int64_t last_number,
                          const OperatingPoint& given)
-    : predictor_(predictor),
-      limits_(predictor.outputs().size()),
-      alarms_(predictor.outputs().size()),
+    : model_(model),
+      limits_(model.outputs().size()),
+      alarms_(model.outputs().size()),
       last_number_(last_number),
       given_(given) {
-  if (predictor.classes() && !limits.empty()) {
+  if (model.classes() && !limits.empty()) {
     throw std::invalid_argument(fmt::format(
         "a threshold is for '{}' (expected none: the predictor tells classes)", limits.front().first));
   }
   for (const auto& [output, limit] : limits) {
-    const auto found = std::ranges::find(predictor.outputs(), output);
-    if (found == predictor.outputs().end()) {
+    const auto found = std::ranges::find(model.outputs(), output);
+    if (found == model.outputs().end()) {
       throw std::invalid_argument(fmt::format("a threshold is for '{}' (expected one of the outputs {})",
-                                              output, fmt::join(predictor.outputs(), ", ")));
+                                              output, fmt::join(model.outputs(), ", ")));
     }
-    limits_[static_cast<std::size_t>(found - predictor.outputs().begin())] = limit;
+    limits_[static_cast<std::size_t>(found - model.outputs().begin())] = limit;
   }
 }
 
@@ -67,8 +67,7 @@ MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
       own[OperatingQuantity::kInputSpeed] =
           window.sample_rate_hz * kSecondsPerMinute / *window.samples_per_turn;
     const OperatingPoint operating = Completed(own, given_);
-    const auto predicted =
-        predictor_.Predict(signals, window.sample_rate_hz, window.samples_per_turn, operating);
+    const auto predicted = model_.Predict(signals, window.sample_rate_hz, window.samples_per_turn, operating);
     if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
       result.fault = *fault;
     } else {
@@ -77,7 +76,7 @@ MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
       result.distance = outputs.distance;
       result.outside_training = outputs.outside_training();
       result.left = outputs.left;
-      result.not_known = predictor_.recipe().envelope.NotKnown(operating);
+      result.not_known = model_.NotKnown(operating);
       std::ranges::move(Contradictions(own, given_), std::back_inserter(result.not_known));
     }
   }

@@ -189,6 +189,15 @@ ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
   parts_.onnx.clear();
 }
 
+SignalNeeds ExportedPredictor::needs() const {
+  const FeatureRecipe& recipe = parts_.recipe;
+  return {.records = recipe.features.set == FeatureSet::kPackets ? daq::RecordKind::kMotor
+                                                                 : daq::RecordKind::kVibration,
+          .signals = recipe.signals(),
+          .window = recipe.window,
+          .least_samples = recipe.least_samples};
+}
+
 void ExportedPredictor::UseBaseline(const std::filesystem::path& file) {
   baseline_ = BaselineFor(parts_.recipe, parts_.outputs, file);
 }

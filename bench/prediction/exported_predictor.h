@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "analysis/prediction/baseline.h"
+#include "bench/prediction/exported_model.h"
 #include "bench/prediction/feature_recipe.h"
 #include "bench/prediction/onnx_network.h"
 #include "bench/prediction/signal_inputs.h"
@@ -42,45 +43,35 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
 /// Asked for of an exported network, over each output.
 inline constexpr double kExportAgreement = 1e-5;
 
-/// What one window of vibration says, in the outputs' units; of classes, their probabilities, without a
-/// width.
-struct PredictedOutputs {
-  std::vector<double> value;
-  std::vector<double> half_width;
-  double distance{};                // above 1: outside what was trained on, nothing is promised
-  std::vector<std::string> left{};  // of the torques, speeds and temperatures of the training, in words
-
-  bool outside_training() const { return !(distance <= 1.0) || !left.empty(); }
-};
-
 /// A folder that `strainwave export` wrote, as a monitor runs it. One object a thread.
-class ExportedPredictor {
+class ExportedPredictor final : public ExportedModel {
  public:
   /// Reads the folder and tests it: hashes of all files, shapes, and the golden vectors through OpenCV.
   /// @throws BenchError naming the file, what is wrong with it and what was expected.
   explicit ExportedPredictor(const std::filesystem::path& folder);
 
   const FeatureRecipe& recipe() const { return parts_.recipe; }
-  const std::vector<std::string>& outputs() const { return parts_.outputs; }
-  bool classes() const { return parts_.predicts == OnnxNetwork::Predicts::kClasses; }
-  double coverage() const { return parts_.coverage; }  // of the intervals
+  SignalNeeds needs() const override;
+  const std::vector<std::string>& outputs() const override { return parts_.outputs; }
+  bool classes() const override { return parts_.predicts == OnnxNetwork::Predicts::kClasses; }
+  double coverage() const override { return parts_.coverage; }
+  std::vector<std::string> NotKnown(const OperatingPoint& operating) const override {
+    return parts_.recipe.envelope.NotKnown(operating);
+  }
 
   /// What the predictor's changes are added to. @throws BenchError as `BaselineFor`; it must be called,
   /// with an empty path where there is no file, before the first prediction of a predictor that takes a
   /// baseline.
   void UseBaseline(const std::filesystem::path& file);
 
-  double worst_disagreement() const { return worst_disagreement_; }
+  double worst_disagreement() const override { return worst_disagreement_; }
 
-  /// @param signals  in any order, samples at `sample_rate_hz`.
-  /// @param samples_per_turn  of the input shaft, where it is known; energies by order need it.
-  /// @param operating  under what the reducer runs, as far as it is known.
-  /// @return the outputs, or why there are none (signal_inputs.h). Signals that lie outside what was trained
-  ///   on but would not if two channels were exchanged, count as swapped.
+  /// Signals that lie outside what was trained on but would not if two channels were exchanged, count as
+  /// swapped. What else there is no prediction of: signal_inputs.h.
   std::variant<PredictedOutputs, SignalFault> Predict(std::span<const NamedSignal> signals,
                                                       double sample_rate_hz,
-                                                      std::optional<double> samples_per_turn = {},
-                                                      const OperatingPoint& operating = {});
+                                                      std::optional<double> samples_per_turn,
+                                                      const OperatingPoint& operating) override;
 
  private:
   struct Parts {

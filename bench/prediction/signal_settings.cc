@@ -16,6 +16,7 @@ constexpr double kRateTolerance = 0.01;
 constexpr double kMostDecimation = 1e6;  // from the fastest converters down to a sample in a millisecond
 // So many equal samples in a row at the very top or bottom are a sensor at its end.
 constexpr int kClippedRun = 6;
+constexpr const char* kMotorVelocity = "velocity_rad_per_s";
 
 int LongestRunAt(std::span<const double> signal, double value) {
   int longest = 0;
@@ -88,6 +89,7 @@ std::optional<SignalFault> SensorFault(const std::string& channel, std::span<con
         fmt::format("{} is {} throughout (expected a signal: is the sensor connected?)", channel, low)};
   }
   for (const double end : {low, high}) {
+    if (end == 0.0 && channel == kMotorVelocity) continue;  // of a shaft that turns one way, at rest
     const int run = LongestRunAt(signal, end);
     if (run >= kClippedRun) {
       return SignalFault{

@@ -37,7 +37,7 @@ class AnExportedFolder : public testing::Test {
   }
   std::string FaultOf(const std::vector<NamedSignal>& signals, double rate_hz = 1000.0) const {
     ExportedPredictor predictor(folder_.path());
-    const auto predicted = predictor.Predict(signals, rate_hz);
+    const auto predicted = predictor.Predict(signals, rate_hz, {}, {});
     const auto* fault = std::get_if<SignalFault>(&predicted);
     return fault == nullptr ? "none" : std::string(NameOf(fault->kind)) + ": " + fault->text;
   }
@@ -65,7 +65,7 @@ TEST_F(AnExportedFolder, PredictsWhatTheTrainedNetworksPredict) {
   const auto expected = trained.fitted.Predict(features);
   ExportedPredictor predictor(folder_.path());
   const auto predicted =
-      std::get<PredictedOutputs>(predictor.Predict(Named(recipe.channels, signals), 1000.0));
+      std::get<PredictedOutputs>(predictor.Predict(Named(recipe.channels, signals), 1000.0, {}, {}));
   EXPECT_FALSE(predicted.outside_training());
   for (std::size_t i = 0; i < 2; ++i) {
     const double value = expected.value(0, static_cast<Eigen::Index>(i));
@@ -221,7 +221,7 @@ TEST_F(AnExportedFolder, TellsExchangedChannelsFromAnotherGear) {
     for (double& value : channel) value *= 4.0;
   }
   ExportedPredictor predictor(folder_.path());
-  const auto predicted = predictor.Predict(Named(TestRecipe().channels, loud), 1000.0);
+  const auto predicted = predictor.Predict(Named(TestRecipe().channels, loud), 1000.0, {}, {});
   ASSERT_TRUE(std::holds_alternative<PredictedOutputs>(predicted));
   EXPECT_TRUE(std::get<PredictedOutputs>(predicted).outside_training());
 }

@@ -106,6 +106,12 @@ class Fingerprint(unittest.TestCase):
                     self.assertTrue(0 <= score["auc"] <= 1)
                     self.assertEqual(score["cases"], 160 if split == "random" else 8)
         self.assertEqual(list(self.report["shuffled_labels"]), SPLITS)
+        excess = self.report["excess_friction"]
+        self.assertEqual(list(excess), SPLITS)
+        self.assertEqual((excess["random"]["accuracy"], excess["random"]["reason"]), (None, "it is told of whole files"))
+        # Four healthy files: with a fold of two left out, two are left.
+        self.assertEqual(excess["origin_left_out"]["reason"], "with a fold left out, fewer than 3 healthy files are left")
+        self.assertGreater(excess["unit_left_out"]["auc"], 0.8)
         self.assertGreater(self.report["fingerprint"]["network"]["unit_left_out"]["accuracy"], 0.8)
         self.assertLess(self.report["fingerprint_is"]["sums_within"], 1e-9)
         self.assertEqual(self.report["healthy_class"], "Normal")
@@ -133,6 +139,55 @@ class Fingerprint(unittest.TestCase):
         self.assertEqual(recipe["states"], ["q1", "q2", "qd1", "qd2", "qdd1", "qdd2"])
         self.assertEqual(len(recipe["self_test"]["nominal"][0]["prediction"]), 2)
         self.assertIn("| unit_left_out |", (FOLDER / "exported" / "model_card.md").read_text())
+
+    def monitored(self, model, name, *paths):
+        code, _, error = run("fingerprint", "export", model, "--out", FOLDER / name)
+        self.assertEqual(code, 0, error)
+        code, out, error = run("monitor", FOLDER / name, "--replay", *paths, "--pace", "max", "--json")
+        return code, [json.loads(line) for line in out.splitlines()], error
+
+    def test_a_monitor_runs_the_export_as_classify_does(self):
+        paths = [FOLDER / "dragging.csv", FOLDER / "sound.csv"]
+        for path, drag_Nm in zip(paths, (1.5, 0.0), strict=True):
+            path.write_text(swinging(78, drag_Nm))
+        code, out, error = run("fingerprint", "classify", FOLDER / "model", *paths, "--json")
+        self.assertEqual(code, 0, error)
+        code, windows, error = self.monitored(FOLDER / "model", "monitored", *paths)
+        self.assertEqual((code, len(windows)), (0, 2), error)
+        for told, window in zip(json.loads(out), windows, strict=True):
+            self.assertAlmostEqual(window["probabilities"]["faulty"], told["probability"], delta=1e-4)
+            self.assertEqual((window["class"], window["status"]), (told["class"], "good"))
+
+    def test_a_monitor_says_what_a_stream_of_joints_lacks(self):
+        # Of one joint more, which is no harm; a torque that is not connected; another rate; another kind.
+        unlike = {"three.csv": (0, swinging(5, 0, joints=3)), "dead.csv": (2, "tau2_Nm is 0 throughout"),
+                  "slow.csv": (2, "the sampling rate is 100 Hz (expected 200 Hz, as in training)"),
+                  "loop.csv": (2, "kind is hysteresis (expected joints)")}
+        lines = swinging(5, 0).splitlines()
+        (FOLDER / "three.csv").write_text(unlike["three.csv"][1])
+        (FOLDER / "dead.csv").write_text("\n".join(lines[:2] + [line.rsplit(",", 1)[0] + ",0" for line in lines[2:]]) + "\n")
+        (FOLDER / "slow.csv").write_text(swinging(5, 0, rate_hz=100))
+        (FOLDER / "loop.csv").write_text("# kind: hysteresis\ntime_s,torque_Nm,output_angle_deg\n0,0,0\n1,1,0.1\n2,0,0\n")
+        for name, (expected, words) in unlike.items():
+            code, _, error = self.monitored(FOLDER / "model", "judged", FOLDER / name)
+            self.assertEqual(code, expected, error)
+            if expected:
+                self.assertIn(words, error)
+
+    def test_a_monitor_refuses_an_export_that_was_changed_or_cannot_be_run(self):
+        self.monitored(FOLDER / "model", "to_change", self.folder / "0.csv")
+        network = FOLDER / "to_change" / "nominal.onnx"
+        network.write_bytes(network.read_bytes()[:-1] + b"?")
+        self.assertEqual(self.refusal("monitor", FOLDER / "to_change", "--replay", self.folder / "0.csv"),
+                         "to_change/nominal.onnx: error: the file has changed since it was written (expected the SHA-256 "
+                         "that recipe.json has of it)")
+        code, _, error = run("fingerprint", "train", self.folder, "--out", FOLDER / "by_gradients", *QUICK, "--fingerprint",
+                             "group", "--method", "gradients")
+        self.assertEqual(code, 0, error)
+        code, _, error = self.monitored(FOLDER / "by_gradients", "gradients", self.folder / "0.csv")
+        self.assertEqual((code, error.replace(str(FOLDER) + "/", "")),
+                         (2, "gradients/recipe.json: error: its fingerprints are expected gradients, which an exported network "
+                             "does not give (expected a model that was trained with --method exact or kernel)\n"))
 
     def test_the_same_seed_gives_the_same_model(self):
         code, _, error = run("fingerprint", "train", self.folder, "--out", FOLDER / "again", *QUICK)

@@ -284,6 +284,26 @@ class Health(unittest.TestCase):
         self.assertEqual((recipe["recipe"]["set"], recipe["outputs"]), ("packets", ["gear", "belt"]))
         self.assertTrue((FOLDER / "exported" / "model_card.md").exists())
 
+    def test_a_monitor_runs_the_export_on_each_cycle_of_a_record(self):
+        code, _, error = run("export", FOLDER / "model", "--out", FOLDER / "monitored")
+        self.assertEqual(code, 0, error)
+        path = write(FOLDER / "cycles.csv", signals(0.5, 0.5, 17, rows=4 * ROWS))
+        code, out, error = run("health", "assess", FOLDER / "model", path, "--json")
+        self.assertEqual(code, 0, error)
+        (told,) = json.loads(out)
+        code, out, error = run("monitor", FOLDER / "monitored", "--replay", path, "--pace", "max", "--json")
+        self.assertEqual(code, 0, error)
+        windows = [json.loads(line) for line in out.splitlines()]
+        self.assertEqual(len(windows), told["cycles"])
+        for name in ("gear", "belt"):
+            mean = sum(window["values"][name]["value"] for window in windows) / len(windows)
+            self.assertAlmostEqual(mean, told["health"][name]["value"], delta=1e-4)
+        loop = FOLDER / "loop.csv"
+        loop.write_text("# kind: hysteresis\ntime_s,torque_Nm,output_angle_deg\n0,0,0\n1,1,0.1\n2,0,0\n")
+        code, out, error = run("monitor", FOLDER / "monitored", "--replay", loop, "--pace", "max")
+        self.assertEqual((code, out), (2, ""))
+        self.assertIn(f"{loop}: error: kind is hysteresis (expected motor)\n", error)
+
 
 class Study(unittest.TestCase):
     def test_wafer_robot_is_a_data_set_that_health_learns_from(self):

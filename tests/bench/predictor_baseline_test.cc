@@ -58,7 +58,7 @@ TEST_F(APredictorOfChanges, AddsThemToTheReducersOwnFirstValues) {
   ExportedPredictor predictor(exported());
   predictor.UseBaseline(file());
   const auto signals = TestSignals(3, 1000);
-  const auto predicted = predictor.Predict(Named(TestRecipe().channels, signals), 1000.0);
+  const auto predicted = predictor.Predict(Named(TestRecipe().channels, signals), 1000.0, {}, {});
   ASSERT_TRUE(std::holds_alternative<PredictedOutputs>(predicted));
   const auto& outputs = std::get<PredictedOutputs>(predicted);
 
@@ -79,7 +79,7 @@ TEST_F(APredictorOfChanges, IsRefusedWithoutABaseline) {
       "error: the predictor tells changes since a reducer's first 5 records (expected its baseline file, "
       "as `strainwave baseline` writes it)");
   ExportedPredictor predictor(exported());
-  EXPECT_THROW(predictor.Predict(Named(TestRecipe().channels, TestSignals(3, 1000)), 1000.0),
+  EXPECT_THROW(predictor.Predict(Named(TestRecipe().channels, TestSignals(3, 1000)), 1000.0, {}, {}),
                std::logic_error);
 }
 

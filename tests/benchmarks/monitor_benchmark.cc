@@ -10,6 +10,7 @@
 
 #include "analysis/networks/design.h"
 #include "bench/monitor/window_judge.h"
+#include "bench/prediction/exported_predictor.h"
 #include "tests/bench/exported_helpers.h"
 
 namespace strainwave::bench {
