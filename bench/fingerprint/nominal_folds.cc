@@ -118,8 +118,10 @@ class JobList {
 };
 
 dynamics::JointMotion TrainingRows(const std::vector<dynamics::JointMotion>& motion, const Files& files,
-                                   Eigen::Index rows, std::vector<int>& part) {
+                                   const NominalSettings& settings, std::vector<int>& part) {
   std::vector<dynamics::JointMotion> parts;
+  const auto rows = std::clamp(settings.rows_of_file * static_cast<Eigen::Index>(files.size()),
+                               settings.fewest_rows, settings.most_rows);
   for (const std::size_t f : files) {
     const auto each =
         std::max<Eigen::Index>(dynamics::kFewestRows, rows / static_cast<Eigen::Index>(files.size()));
@@ -174,7 +176,7 @@ NominalFolds MakeNominalFolds(const std::vector<dynamics::FileSplit>& splits,
   parallel(jobs.size(), [&](std::size_t j) {
     const auto& [files, uses] = jobs[j];
     std::vector<int> part;
-    const dynamics::JointMotion rows = TrainingRows(motion, files, settings.rows, part);
+    const dynamics::JointMotion rows = TrainingRows(motion, files, settings, part);
     const analysis::prediction::Ensemble network = dynamics::TrainDynamics(rows, part, settings.training);
     const Eigen::MatrixXd background = BackgroundOf(motion, files, settings.background);
     std::map<std::size_t, Eigen::MatrixXd> made;

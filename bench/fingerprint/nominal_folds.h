@@ -34,7 +34,10 @@ struct NominalFolds {
 struct NominalSettings {
   analysis::joint_dynamics::DynamicsSettings training;
   analysis::joint_dynamics::AttributionSettings attribution;
-  Eigen::Index rows{4000};      // of all healthy files together that a network is trained on
+  // Of healthy files that a network is trained on: so many of each, but no fewer and no more than these of all.
+  Eigen::Index rows_of_file{300};
+  Eigen::Index fewest_rows{4000};
+  Eigen::Index most_rows{20000};
   Eigen::Index background{25};  // rows
 };
 

@@ -106,6 +106,26 @@ INSTANTIATE_TEST_SUITE_P(Of, ClockModelCases,
                                          Case{"network_fast", -80e-6, 5e-3, NetworkDelay_s, 10e-6}),
                          [](const auto& of) { return std::string(of.param.name); });
 
+TEST(ClockModel, HasAMachineThatBecomesSlowerOrQuickerInItsError) {
+  constexpr double kSeconds = 20;
+  int covered = 0;
+  int runs = 0;
+  for (const double step_s : {0.6e-3, -0.6e-3}) {
+    for (double share = 0.1; share < 0.95; share += 0.05) {
+      const double from_s = Device::kOffset.count() * 1e-9 + share * kSeconds;
+      const Device device{0.0, 10e-3, [&](double host_s, std::mt19937_64& random) {
+                            return 1e-3 + (host_s > from_s ? step_s : 0.0) + UsbDelay_s(host_s, random);
+                          }};
+      std::mt19937_64 random(3);
+      ClockModel model({});
+      device.Run(model, 0, kSeconds, random);
+      covered += std::abs(model.estimate()->drift) <= model.estimate()->drift_uncertainty;
+      ++runs;
+    }
+  }
+  EXPECT_GE(covered, runs * 95 / 100) << "of " << runs;
+}
+
 TEST(ClockModel, IsExactWithoutJitter) {
   const Device device{30e-6, 10e-3, [](double, std::mt19937_64&) { return 0.0; }};
   std::mt19937_64 random;
