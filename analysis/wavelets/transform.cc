@@ -24,14 +24,22 @@ void RequireCount(std::string_view name, std::size_t got, std::size_t expected) 
 void Gather(std::span<const double> signal, Index begin, std::size_t pairs, Border border,
             PolyphaseBlock& block) {
   const auto n = static_cast<Index>(signal.size());
-  if (begin >= 0 && begin + static_cast<Index>(2 * pairs) <= n) {
-    Deinterleave(signal.data() + begin, pairs, block.even, block.odd);
-    return;
-  }
-  for (std::size_t t = 0; t < 2 * pairs; ++t) {
-    const Index index = InsideIndex(begin + static_cast<Index>(t), n, border);
-    (t % 2 == 0 ? block.even : block.odd)[t / 2] = index < 0 ? 0.0 : signal[static_cast<std::size_t>(index)];
-  }
+  const auto all = static_cast<Index>(pairs);
+  // Pairs that lie within the signal, both of them.
+  const Index first = std::clamp<Index>((1 - begin) / 2, 0, all);
+  const Index last = std::clamp<Index>(n > begin ? (n - begin) / 2 : 0, first, all);
+  const auto gather_beyond = [&](Index from, Index to) {
+    for (Index t = 2 * from; t < 2 * to; ++t) {
+      const Index index = InsideIndex(begin + t, n, border);
+      (t % 2 == 0 ? block.even : block.odd)[t / 2] =
+          index < 0 ? 0.0 : signal[static_cast<std::size_t>(index)];
+    }
+  };
+  gather_beyond(0, first);
+  if (last > first)
+    Deinterleave(signal.data() + begin + 2 * first, static_cast<std::size_t>(last - first),
+                 block.even + first, block.odd + first);
+  gather_beyond(last, all);
 }
 
 // Coefficients at begin, begin + 1, …; only by periodization are some of them outside.
