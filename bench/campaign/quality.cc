@@ -202,7 +202,7 @@ std::vector<StopDistance> StopDistances(const schedules::StopCriteria& stop,
                          limit->limit, limit->is_lower});
   }
   for (const Result& result : results) {
-    if (!result.quantity.starts_with(analysis::kVibrationRms)) continue;
+    if (!result.quantity.starts_with(analysis::kVibrationRms) || !IsSound(result)) continue;
     const auto limit = StopLimitOf(stop, first_k2_Nm_per_rad, result.quantity);
     if (!limit) continue;
     distances.push_back({result.quantity, std::string(analysis::UnitOf(result.quantity)), result.value,

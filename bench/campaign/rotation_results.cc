@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/rotation_results.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "analysis/efficiency.h"
 #include "analysis/quantities.h"
+#include "analysis/samples/holds.h"
 
 namespace strainwave::bench {
 namespace {
@@ -61,6 +65,26 @@ double Rms(std::span<const float> samples) {
   return std::sqrt(std::max(0.0, square_sum / count - mean * mean));
 }
 
+// A sensor that is dead or at the end of its range, for a part of the record at least; empty: none.
+std::string StandingFlag(std::span<const float> samples) {
+  constexpr std::size_t kLooked = 6;  // equal samples in a row that are worth a closer look
+  std::size_t run = 1;
+  std::size_t longest = 1;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    run = samples[i] == samples[i - 1] ? run + 1 : 1;
+    longest = std::max(longest, run);
+  }
+  if (longest < kLooked) return {};
+  const std::vector<double> values(samples.begin(), samples.end());
+  std::size_t standing = 0;
+  for (const auto& segment : analysis::samples::FindFrozen(values)) standing += segment.count;
+  for (const auto& end : analysis::samples::FindSaturated(values)) standing = std::max(standing, end.count);
+  if (longest == samples.size()) standing = longest;
+  if (standing == 0) return {};
+  return fmt::format("{} of {} samples stand at one value: not connected, or at the end of its range",
+                     standing, samples.size());
+}
+
 }  // namespace
 
 std::vector<Result> RotationResults(const daq::Record& record, double ratio) {
@@ -86,7 +110,8 @@ std::vector<Result> VibrationResults(const daq::Record& record) {
   for (const daq::Column& column : record.columns) {
     const auto* samples = std::get_if<std::vector<float>>(&column.values);
     if (samples == nullptr || samples->empty()) continue;
-    results.push_back({std::string(analysis::kVibrationRms) + column.name, Rms(*samples), 0.0, ""});
+    results.push_back(
+        {std::string(analysis::kVibrationRms) + column.name, Rms(*samples), 0.0, StandingFlag(*samples)});
   }
   return results;
 }

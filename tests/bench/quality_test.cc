@@ -37,6 +37,17 @@ TEST(StopDistances, AreThoseOfTheQuantitiesThatTheCycleHas) {
   EXPECT_TRUE(distances[0].is_lower);
 }
 
+TEST(StopDistances, LeaveOutAVibrationWhoseSensorWasDead) {
+  schedules::StopCriteria stop;
+  stop.vibration_rms_above_m_per_s2 = 10.0;
+  const std::vector<Result> last{
+      {"vibration_rms_accel_x_m_per_s2", 123.3, 0.0, "1200 of 25600 samples stand"},
+      {"vibration_rms_accel_y_m_per_s2", 0.3, 0.0, ""}};
+  const auto distances = StopDistances(stop, std::nullopt, last);
+  ASSERT_EQ(distances.size(), 1U);
+  EXPECT_EQ(distances[0].quantity, "vibration_rms_accel_y_m_per_s2");
+}
+
 TEST(OpenAlarms, AreThoseSinceTheLastResumeHoweverLongAgo) {
   Journal journal = Journal::Create(":memory:");
   const auto note = [&](const char* severity, const char* code) {

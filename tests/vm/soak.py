@@ -121,8 +121,8 @@ def compare(journal, reference):
     worst, count = (0.0, ""), 0
     truth = means(reference)
     for (cycle, repeat, quantity), (value, error, flag) in sorted(journal.results.items()):
-        if cycle not in journal.complete or repeat != 0 or value is None:
-            continue
+        if cycle not in journal.complete or repeat != 0 or value is None or flag:
+            continue  # what is flagged is told to be no good
         expect(quantity in truth, f"{quantity} of cycle {cycle} is not among the results without faults")
         mean, mean_error, scatter = truth[quantity]
         share = next((s for word, s in SCATTER.items() if word in quantity or quantity.endswith("_degC")), SCATTER_OF_OTHERS)
