@@ -31,6 +31,16 @@ debian() {
   export LD_LIBRARY_PATH
 }
 
+# installed NAME=VERSION...: of what needs too many other packages to be unpacked.
+installed() {
+  local wanted name
+  for wanted in "$@"; do
+    name=${wanted%%=*}
+    [ "$(dpkg-query -W -f '${Version}' "$name" 2>/dev/null)" = "${wanted#*=}" ] ||
+      cannot_run "$name ${wanted#*=} is not installed (apt-get install --no-install-recommends $wanted)"
+  done
+}
+
 # python_modules NAME...: they and what they need can be imported.
 python_modules() {
   local name

@@ -90,7 +90,11 @@ bool Statement::IsNull(int column) const {
   return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
 }
 
-void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+void Database::Close::operator()(sqlite3* database) const {
+  // A log that is kept is emptied by the last who closes it; while it is in use its room on the disk is kept.
+  sqlite3_exec(database, "PRAGMA journal_size_limit=0", nullptr, nullptr, nullptr);
+  sqlite3_close_v2(database);
+}
 
 void Database::Open(int flags, Sharing sharing) {
   sqlite3* opened = nullptr;
@@ -117,6 +121,11 @@ void Database::OpenToRead() {
   }
 }
 
+void Database::KeepLog() const {
+  int keep = 1;
+  sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_PERSIST_WAL, &keep);
+}
+
 Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
   if (mode == Mode::kReadOnly) {
     OpenToRead();
@@ -130,6 +139,7 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
     sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_RESERVE_BYTES, &reserved);
   }
   Execute("PRAGMA journal_mode=WAL");
+  if (mode == Mode::kReadWrite) KeepLog();
   Execute("PRAGMA synchronous=FULL");
   Execute("PRAGMA foreign_keys=ON");
 }

@@ -62,6 +62,9 @@ class Statement {
 };
 
 /// An open SQLite file in WAL mode; every commit is on the disk when it returns (synchronous=FULL).
+///
+/// kReadWrite leaves the write-ahead log, empty, and its index beside the file: where SQLite cannot make
+/// them, as on a read-only medium, it opens no file in WAL mode (sqlite.org/wal.html, "Read-Only Databases").
 class Database {
  public:
   /// kReadOnly also reads what cannot be written to: a read-only medium, the folder of another user, a
@@ -83,6 +86,7 @@ class Database {
   };
   void Open(int flags, Sharing sharing);
   void OpenToRead();
+  void KeepLog() const;
 
   std::filesystem::path file_;
   std::unique_ptr<sqlite3, Close> database_;

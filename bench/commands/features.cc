@@ -119,9 +119,14 @@ nlohmann::ordered_json JsonOfCampaign(const std::filesystem::path& folder, const
         line.Show("features", static_cast<double>(done) / static_cast<double>(of));
       });
   line.Clear();
+  std::vector<RecordWarning> warnings;
+  if (!all.not_kept.empty())
+    warnings.push_back(
+        {folder.string(), 0, "the features are not kept and are computed anew each time: " + all.not_kept});
+  TellWarnings(warnings);
   if (!command.json) {
-    ToStdout("{}: {} features of {} cycles, in {}\n", folder.string(), all.names.size(), all.cycle.size(),
-             FeaturesFile(folder, settings.set).string());
+    ToStdout("{}: {} features of {} cycles{}\n", folder.string(), all.names.size(), all.cycle.size(),
+             warnings.empty() ? ", in " + FeaturesFile(folder, settings.set).string() : "");
     for (const std::string& note : all.notes) ToStdout("note: {}\n", note);
     return {};
   }
@@ -130,10 +135,12 @@ nlohmann::ordered_json JsonOfCampaign(const std::filesystem::path& folder, const
     const auto row = all.values.row(static_cast<Eigen::Index>(i));
     cycles.push_back({{"cycle", all.cycle[i]}, {"values", std::vector<double>(row.begin(), row.end())}});
   }
-  return {{"campaign", folder.string()},
-          {"names", all.names},
-          {"cycles", std::move(cycles)},
-          {"notes", all.notes}};
+  nlohmann::ordered_json report{{"campaign", folder.string()},
+                                {"names", all.names},
+                                {"cycles", std::move(cycles)},
+                                {"notes", all.notes}};
+  if (!warnings.empty()) report["warnings"] = WarningTexts(warnings);
+  return report;
 }
 
 int Run(const FeaturesCommand& command) {

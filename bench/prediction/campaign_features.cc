@@ -143,8 +143,9 @@ std::optional<CampaignFeatures> Kept(const std::filesystem::path& store, const F
   }
 }
 
-void Keep(const std::filesystem::path& store, const FeatureSettings& settings, bool motor_torque,
-          const CampaignFeatures& features) {
+// Why they could not be kept, as of a campaign on a disk that cannot be written; empty: they are.
+std::string Keep(const std::filesystem::path& store, const FeatureSettings& settings, bool motor_torque,
+                 const CampaignFeatures& features) {
   daq::ArraysFile file{.attributes = AttributesOf(settings, motor_torque, features), .arrays = {}};
   const std::vector<std::size_t> shape{features.cycle.size()};
   file.arrays.push_back({"cycle", shape, {features.cycle.begin(), features.cycle.end()}});
@@ -154,8 +155,9 @@ void Keep(const std::filesystem::path& store, const FeatureSettings& settings, b
   }
   try {
     daq::WriteArraysAtomically(store, file);
-  } catch (const daq::DataFileError&) {
-    // A campaign on a disk that cannot be written is read all the same.
+    return "";
+  } catch (const daq::DataFileError& error) {
+    return error.what();
   }
 }
 
@@ -248,7 +250,7 @@ CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const Fea
   if (!missing.empty()) {
     Append(all, missing, Compute(folder, journal, missing, settings, motor_torque, progress),
            channel_features);
-    if (!all.cycle.empty()) Keep(store, settings, motor_torque, all);
+    if (!all.cycle.empty()) all.not_kept = Keep(store, settings, motor_torque, all);
   }
   if (all.cycle.empty()) {
     throw BenchError(ExitCode::kWrongInput,

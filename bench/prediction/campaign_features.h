@@ -24,6 +24,7 @@ struct CampaignFeatures {
   std::size_t least_samples{};
   OperatingEnvelope operating;     // of these cycles
   std::vector<std::string> notes;  // cycles that were left out, and why
+  std::string not_kept;            // why they are in no file; empty as a rule
 };
 
 /// Told how many of how many cycles are done.
@@ -31,8 +32,8 @@ using FeatureProgress = std::function<void(std::size_t done, std::size_t all)>;
 
 /// Computes the features of all complete cycles and keeps them in the folder as `features.h5`, those by order
 /// as `features_orders.h5` (a data set a feature, beside `cycle`); what is there already, of the same
-/// settings, is not computed again. A cycle without a vibration record, or with other channels or another
-/// rate than the first one has, is left out with a note.
+/// settings, is not computed again. Where nothing can be written they are in no file. A cycle without a
+/// vibration record, or with other channels or another rate than the first one has, is left out with a note.
 /// @param motor_torque  the motor's torque of the rotation as a channel beside the vibration's.
 /// @throws BenchError if the folder is no campaign or no cycle has vibration.
 CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& folder, const FeatureSettings& settings,

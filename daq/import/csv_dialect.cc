@@ -155,7 +155,11 @@ std::optional<Reading> Read(const std::vector<TextLine>& lines, char separator, 
   const auto cells_above = [&](std::size_t l) {
     std::string_view text = Trim(lines[l].text);
     if (text.starts_with('#')) text = Trim(text.substr(1));
-    return Texts(text, separator, ends);
+    std::vector<std::string> cells = Texts(text, separator, ends);
+    // Above the labels of rows there may be no name, only the tab behind it.
+    if (separator == '\t' && cells.size() + 1 == width && lines[l].text.starts_with('\t'))
+      cells.insert(cells.begin(), "");
+    return cells;
   };
   if (above > 0 && cells_above(above - 1).size() == width && IsUnitRow(cells_above(above - 1)) && above > 1 &&
       cells_above(above - 2).size() == width) {
@@ -297,7 +301,9 @@ std::optional<double> ClockSeconds(std::string_view cell) {
     days = static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
     return true;
   };
-  if (cell.size() > 11 && cell[4] == '-' && cell[7] == '-' && (cell[10] == 'T' || cell[10] == ' ')) {
+  // With the year first there is one reading, whatever the sign behind it.
+  const bool by_year = cell.size() > 11 && (cell[4] == '-' || cell[4] == '/') && cell[7] == cell[4];
+  if (by_year && (cell[10] == 'T' || cell[10] == ' ')) {
     if (!day_of(cell.substr(0, 4), cell.substr(5, 2), cell.substr(8, 2))) return std::nullopt;
     cell.remove_prefix(11);
   } else if (cell.size() > 11 && cell[2] == '.' && cell[5] == '.' && cell[10] == ' ') {

@@ -43,8 +43,8 @@ std::vector<std::pair<std::string, std::size_t>> CellsOf(std::string_view line, 
 /// A number with that decimal sign; nothing for another text, and for numbers that are not finite.
 std::optional<double> CsvNumber(std::string_view cell, bool decimal_comma);
 
-/// Seconds of "12:34:56.789", of the day, or of "2026-11-29T12:34:56.789" and "29.11.2026 12:34:56", since
-/// 1970 in the clock's own zone.
+/// Seconds of "12:34:56.789", of the day, or of "2026-11-29T12:34:56.789", "2026/11/29 12:34:56" and
+/// "29.11.2026 12:34:56", since 1970 in the clock's own zone.
 std::optional<double> ClockSeconds(std::string_view cell);
 
 }  // namespace strainwave::daq

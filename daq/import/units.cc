@@ -152,7 +152,9 @@ NamedUnit SplitUnit(std::string_view name) {
     if (name.empty() || name.back() != close) continue;
     const std::size_t at = name.rfind(open);
     if (at == name.npos || at == 0) continue;
-    return {Trim(name.substr(0, at)), Trim(name.substr(at + 1, name.size() - at - 2))};
+    const std::string_view unit = Trim(name.substr(at + 1, name.size() - at - 2));
+    if (unit.find(':') != unit.npos && unit.find_first_not_of("0123456789,: ") == unit.npos) continue;
+    return {Trim(name.substr(0, at)), unit};
   }
   return {};
 }

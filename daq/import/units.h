@@ -32,7 +32,7 @@ std::optional<UnitChange> ChangeOfUnit(std::string_view from, std::string_view t
 std::string UnitsLike(std::string_view unit);
 
 /// The unit in brackets at the end of a name, "Time [s]" or "Torque (Nm)", and the name without it. Both
-/// empty where there is none.
+/// empty where there is none; "loop(:,1)" is a column of a matrix.
 struct NamedUnit {
   std::string_view name;
   std::string_view unit;

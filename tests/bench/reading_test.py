@@ -101,7 +101,7 @@ def add_blocks():
     for number, (language, name, script) in enumerate(blocks):
         def test(self, language=language, name=name, script=script):
             self.run_block(language, name, script)
-        setattr(Reading, f"test_block_{number}_{language}_{name.replace('-', '_')}", test)
+        setattr(Reading, f"test_block_{number:02}_{language}_{name.replace('-', '_')}", test)
 
 
 if __name__ == "__main__":

@@ -99,8 +99,11 @@ class Mat(Import):
         tall = files.mat5(self.folder / "tall.mat", {"data": values})
         flat = files.mat5(self.folder / "flat.mat", {"data": values.T})
         for path, name in ((tall, "data(:,2)"), (flat, "data(2,:)")):
-            columns, _, _ = self.convert(path, "--map", self.map({"accel_x_m_per_s2": {"from": name, "unit": "m/s^2"}}, rate="1 kHz"))
-            self.same(columns["accel_x_m_per_s2"], values[:, 1])
+            for unit in ({"unit": "m/s^2"}, {}):  # what stands in brackets here is no unit
+                mapping = self.map({"accel_x_m_per_s2": {"from": name} | unit}, rate="1 kHz")
+                columns, _, told = self.convert(path, "--map", mapping)
+                self.same(columns["accel_x_m_per_s2"], values[:, 1])
+                self.assertEqual([line for line in told if "(:,2)'" in line and "by the file" in line], [])
 
     def test_what_is_no_series_is_left_out_in_words(self):
         path = files.mat5(self.folder / "a.mat", {"x": numpy.arange(9.0), "c": [numpy.arange(3.0)], "z": numpy.arange(4.0) * 1j,
@@ -309,6 +312,9 @@ class Csv(Import):
                                      angle_more={"unit": "arcmin"})
         self.check(columns)
         self.assertEqual(told[:1], ["'Time [s]' is in s by the file and in ms by the map, which counts"])
+        # As data frames are written: their row labels have no name.
+        tabs = "".join(f"{row}\t{t}\t{m}\t{a}\n" for row, (t, m, a) in enumerate(self.LOOP))
+        self.check(self.read("\tTime [s]\tTorque [Nm]\tAngle [deg]\n" + tabs, time="Time", torque="Torque", angle="Angle")[0])
 
     def test_no_header_times_of_day_and_sep(self):
         rows = "".join(f"12:00:{t:06.3f};{m};{a};\n" for t, m, a in self.LOOP)
@@ -317,6 +323,10 @@ class Csv(Import):
         night = "".join(f"{t};{m};{a}\n" for t, (_, m, a) in zip(("23:59:59.5", "23:59:59.9", "00:00:00.4"), self.LOOP, strict=True))
         columns, _, _ = self.read("Time;Torque;Angle\n" + night)
         self.same(numpy.array(columns["time_s"], float) - 86399.5, [0, 0.4, 0.9], 1e-9)
+        dated = "".join(f'"2026/11/29 12:00:{t:06.3f}",{m},{a}\n' for t, m, a in self.LOOP)  # as Gnumeric writes it
+        columns, _, _ = self.read("Time,Torque,Angle\n" + dated)
+        self.same(columns["time_s"], [0, 0.01, 0.02], 1e-6)
+        self.same(columns["torque_Nm"], [row[1] for row in self.LOOP])
 
     def test_two_readings_are_refused_with_both(self):
         mapping = self.map({"accel_x_m_per_s2": {"from": "column 1"}}, rate="1 kHz")
