@@ -53,7 +53,9 @@ void DemandDrive(const EdsFile& eds, const std::string& path, std::vector<std::s
                                                      found->second.default_value, 1, found->second.type);
   const bool is_told_otherwise = type && (*type & 0xFFFF) != kServoProfile;
   if (is_drive && !is_told_otherwise) return;
-  const std::string place = fmt::format("{}:{}:1", path, is_told_otherwise ? found->second.line : 1);
+  const protocols::canopen::FilePlace at =
+      is_told_otherwise ? found->second.default_place : protocols::canopen::FilePlace{1, 1};
+  const std::string place = fmt::format("{}:{}:{}", path, at.line, at.column);
   const std::string what = is_told_otherwise
                                ? fmt::format("1000h tells a device of profile {}", *type & 0xFFFF)
                                : "there is no controlword or no statusword";
@@ -83,8 +85,9 @@ int WriteDraft(const DriveProfileOptions& options) {
     Refuse(options.out, "is there already", "a new name, since a profile is filled in by hand");
   const DriveProfileDraft draft = DraftDriveProfile(eds, EdsKey(options));
   if (!options.out.empty()) daq::WriteFileAtomically(options.out, draft.text);
-  for (const std::string& finding : draft.findings)
-    warnings.push_back(fmt::format("{}: warning: {}", options.eds, finding));
+  for (const auto& finding : draft.findings)
+    warnings.push_back(
+        fmt::format("{}:{}:{}: warning: {}", options.eds, finding.line, finding.column, finding.what));
   for (const std::string& warning : warnings) ToStderr("{}\n", warning);
   if (options.json) {
     nlohmann::ordered_json report{{"eds", options.eds}};

@@ -358,9 +358,10 @@ class Draft {
     }
     if (!draft_.findings.empty()) {
       Line(
-          "# Not possible with this drive as its file has it; the profile is refused until it says "
-          "otherwise:");
-      for (const std::string& finding : draft_.findings) Line(fmt::format("#   {}", Ascii(finding)));
+          "# Not possible with this drive as its file has it (line and column there); the profile is refused "
+          "until it says otherwise:");
+      for (const auto& finding : draft_.findings)
+        Line(fmt::format("#   {}:{}: {}", finding.line, finding.column, Ascii(finding.what)));
       Line("");
     }
     Line(

@@ -18,7 +18,7 @@ struct DriveProfileDraft {
   std::string text;                     // YAML, as `ParseDriveProfile` reads it
   std::vector<std::string> to_fill_in;  // keys, as in "limits.speed"
   /// What the program does with a drive and this one cannot, according to its maker, one finding each.
-  std::vector<std::string> findings;
+  std::vector<protocols::canopen::FileNote> findings;
 };
 
 /// Identity, modes, units and missing objects of a drive, as far as its EDS or DCF file tells them; each

@@ -291,8 +291,8 @@ void CheckAgainstEds(DriveProfile& profile, const std::string& eds_file, const s
   }
   try {
     const auto eds = protocols::canopen::ParseEds(*text, path.string());
-    for (const std::string& finding : protocols::canopen::CheckProfileAgainstEds(profile, eds, kSomeNode)) {
-      error(finding);
+    for (const auto& finding : protocols::canopen::CheckProfileAgainstEds(profile, eds, kSomeNode)) {
+      error(fmt::format("{}:{}:{}: {}", path.string(), finding.line, finding.column, finding.what));
     }
     profile.eds_notes = eds.notes;
   } catch (const std::runtime_error& failure) {

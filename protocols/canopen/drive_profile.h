@@ -9,6 +9,7 @@
 
 #include "protocols/canopen/drive_units.h"
 #include "protocols/canopen/eds_file.h"
+#include "protocols/canopen/file_note.h"
 #include "protocols/canopen/object.h"
 #include "protocols/canopen/pdo.h"
 #include "protocols/cia402_modes.h"
@@ -138,8 +139,9 @@ std::vector<PdoSetting> PdosOf(const DriveProfile& profile, std::uint8_t node_id
 std::vector<std::string> CheckProfile(const DriveProfile& profile);
 
 /// What of a sound profile the drive cannot do according to its maker: every object that is written, read or
-/// mapped exists, allows it, has the profile's length, and takes the value.
-std::vector<std::string> CheckProfileAgainstEds(const DriveProfile& profile, const EdsFile& eds,
-                                                std::uint8_t node_id);
+/// mapped exists, allows it, has the profile's length, and takes the value. Each at its place in the EDS: of
+/// the value that does not fit, else of the object's section; 1:1 where there is none.
+std::vector<FileNote> CheckProfileAgainstEds(const DriveProfile& profile, const EdsFile& eds,
+                                             std::uint8_t node_id);
 
 }  // namespace strainwave::protocols::canopen

@@ -104,10 +104,16 @@ class EdsReader {
     return found == sections_.end() ? nullptr : &found->second;
   }
   void Note(const IniSection& section, std::string what) {
-    notes_.push_back({section.line, 1, std::move(what)});
+    notes_.push_back({section.line, section.column, std::move(what)});
   }
   void Note(const IniValue& value, std::string what) {
     notes_.push_back({value.line, value.column, std::move(what)});
+  }
+
+  // Of the value of a key; of the section where there is none.
+  static FilePlace PlaceOf(const IniSection& section, std::string_view key) {
+    const IniValue* value = section.Find(LowerCase(key));
+    return value == nullptr ? FilePlace{section.line, section.column} : FilePlace{value->line, value->column};
   }
 
   const IniSection* Demand(const std::string& name) {
@@ -142,15 +148,16 @@ class EdsReader {
     const auto text = [&](std::string_view key, std::string& target) {
       if (const IniValue* value = Demand(*device, key)) target = value->text;
     };
-    const auto number = [&](std::string_view key, std::optional<std::uint32_t>& target) {
+    const auto number = [&](std::string_view key, std::optional<std::uint32_t>& target, FilePlace& place) {
       const IniValue* value = Demand(*device, key);
       if (value != nullptr) target = Unsigned(*value, key, 0xFFFFFFFF);
+      place = PlaceOf(*device, key);
     };
     text("VendorName", file_.vendor_name);
     text("ProductName", file_.product_name);
-    number("VendorNumber", file_.vendor_number);
-    number("ProductNumber", file_.product_number);
-    number("RevisionNumber", file_.revision_number);
+    number("VendorNumber", file_.vendor_number, file_.vendor_place);
+    number("ProductNumber", file_.product_number, file_.product_place);
+    number("RevisionNumber", file_.revision_number, file_.revision_place);
   }
 
   std::set<std::uint16_t> ReadLists() {
@@ -226,13 +233,17 @@ class EdsReader {
 
   // One description for all sub-objects (CiA 306, 4.6.3): names and values differ in sections of their own.
   void ReadCompact(const IniSection& section, std::uint16_t index, std::uint8_t count) {
-    file_.objects[{index, 0}] = {"number of entries",
-                                 DataType::kUnsigned8,
-                                 AccessType::kReadOnly,
-                                 false,
-                                 std::to_string(count),
-                                 "",
-                                 ""};
+    EdsObject& entries = file_.objects[{index, 0}];
+    entries = {"number of entries",
+               DataType::kUnsigned8,
+               AccessType::kReadOnly,
+               false,
+               std::to_string(count),
+               "",
+               ""};
+    entries.section_place = entries.type_place = entries.access_place = entries.mapping_place =
+        FilePlace{section.line, section.column};
+    entries.default_place = PlaceOf(section, "CompactSubObj");
     const EdsObject common = ReadValue(section, false);
     const IniSection* names = Section(fmt::format("{:04x}name", index));
     const IniSection* values = Section(fmt::format("{:04x}value", index));
@@ -243,6 +254,7 @@ class EdsReader {
       if (const IniValue* name = names == nullptr ? nullptr : names->Find(key)) object.name = name->text;
       if (const IniValue* value = values == nullptr ? nullptr : values->Find(key)) {
         object.default_value = value->text;
+        object.default_place = {value->line, value->column};
         CheckNumber(*value, "value", object.type);
       }
       file_.objects[{index, static_cast<std::uint8_t>(i)}] = object;
@@ -251,7 +263,13 @@ class EdsReader {
 
   EdsObject ReadValue(const IniSection& section, bool domain) {
     EdsObject object;
-    object.line = section.line;
+    object.section_place = {section.line, section.column};
+    object.type_place = PlaceOf(section, "DataType");
+    object.access_place = PlaceOf(section, "AccessType");
+    object.mapping_place = PlaceOf(section, "PDOMapping");
+    object.default_place = PlaceOf(section, "DefaultValue");
+    object.low_place = PlaceOf(section, "LowLimit");
+    object.high_place = PlaceOf(section, "HighLimit");
     if (const IniValue* name = section.Find("parametername")) object.name = Printable(name->text);
     ReadType(section, domain, object);
     ReadAccess(section, domain, object);
@@ -270,6 +288,7 @@ class EdsReader {
     if (own != nullptr && !own->text.empty()) {
       initial = number("ParameterValue", object.default_value);
       object.is_set_for_node = !object.default_value.empty();
+      object.default_place = {own->line, own->column};
     }
     const auto low = number("LowLimit", object.low_limit);
     const auto high = number("HighLimit", object.high_limit);
@@ -301,8 +320,8 @@ class EdsReader {
       object.type = static_cast<DataType>(*type);
       return;
     }
-    object.unclear = fmt::format("no DataType that is known here (line {})",
-                                 value == nullptr ? section.line : value->line);
+    object.unclear = "no DataType that is known here";
+    object.unclear_place = object.type_place;
     // Bytes without a meaning: no number in the section can be judged.
     object.type = DataType::kDomain;
     if (type)
@@ -321,8 +340,8 @@ class EdsReader {
     } else if (access == "const") {
       object.access = AccessType::kConstant;
     } else if (access != "rw" && access != "rwr" && access != "rww") {
-      object.unclear = fmt::format("no AccessType that is known here (line {})",
-                                   value == nullptr ? section.line : value->line);
+      object.unclear = "no AccessType that is known here";
+      object.unclear_place = object.access_place;
       if (value != nullptr) {
         Note(*value, fmt::format("AccessType '{}' (expected ro, wo, rw, rwr, rww or const)", value->text));
       }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "protocols/canopen/file_note.h"
 #include "protocols/canopen/object.h"
 
 namespace strainwave::protocols::canopen {
@@ -24,7 +25,15 @@ struct EdsObject {
   std::string high_limit;
   /// Why its type or access cannot be told, for whoever needs the object; empty as a rule.
   std::string unclear{};
-  int line{};              // of its section in the file
+  // Where its section begins, and where these values stand; of one that is missing, the section.
+  FilePlace section_place{};
+  FilePlace type_place{};
+  FilePlace access_place{};
+  FilePlace mapping_place{};
+  FilePlace default_place{};
+  FilePlace low_place{};
+  FilePlace high_place{};
+  FilePlace unclear_place{};
   bool is_set_for_node{};  // a DCF file: `default_value` is what this one node is set to
 };
 
@@ -35,6 +44,9 @@ struct EdsFile {
   std::optional<std::uint32_t> vendor_number;  // nothing where the file does not say
   std::optional<std::uint32_t> product_number;
   std::optional<std::uint32_t> revision_number;
+  FilePlace vendor_place{};
+  FilePlace product_place{};
+  FilePlace revision_place{};
   /// By address; an object without sub-objects stands at sub-index 0.
   std::map<ObjectAddress, EdsObject> objects;
   /// What is odd about the file, in its order: "FILE:LINE:COLUMN: note: WHAT (what was expected)".

@@ -57,8 +57,8 @@ std::map<std::string, IniSection> ParseIni(std::string_view text, std::vector<Fi
         continue;
       }
       const std::string_view name = Trimmed(content.substr(1, content.size() - 2));
-      const auto [place, fresh] =
-          sections.try_emplace(LowerCase(name), IniSection{std::string(name), number, {}});
+      const auto [place, fresh] = sections.try_emplace(
+          LowerCase(name), IniSection{std::string(name), number, column_of(content), {}});
       if (!fresh) {
         notes.push_back({number, column_of(name),
                          fmt::format("section [{}] comes twice (expected once; first on line {})", name,

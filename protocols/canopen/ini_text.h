@@ -6,14 +6,9 @@
 #include <string_view>
 #include <vector>
 
-namespace strainwave::protocols::canopen {
+#include "protocols/canopen/file_note.h"
 
-/// What is odd about a file and does not keep it from being read, with its place.
-struct FileNote {
-  int line{};
-  int column{};
-  std::string what;  // "WHAT (what was expected)"
-};
+namespace strainwave::protocols::canopen {
 
 struct IniValue {
   std::string text;  // without blanks at its ends
@@ -24,6 +19,7 @@ struct IniValue {
 struct IniSection {
   std::string name;  // as written
   int line{};
+  int column{};                            // of its '['
   std::map<std::string, IniValue> values;  // by key in lower case
 
   /// Nothing when there is no such key; `key` in lower case.

@@ -11,11 +11,32 @@
 namespace strainwave::protocols::canopen {
 namespace {
 
-using Findings = std::vector<std::string>;
+class EdsFindings {
+ public:
+  // Several steps touch the same object; each finding is told once.
+  void Add(FilePlace place, std::string what) {
+    if (std::ranges::none_of(notes_, [&](const FileNote& note) { return note.what == what; }))
+      notes_.push_back({place.line, place.column, std::move(what)});
+  }
+  bool HaveOne(std::string_view beginning) const {
+    return std::ranges::any_of(notes_,
+                               [&](const FileNote& note) { return note.what.starts_with(beginning); });
+  }
+  std::vector<FileNote> Take() && { return std::move(notes_); }
+
+ private:
+  std::vector<FileNote> notes_;
+};
 
 std::string Named(ObjectAddress address, const EdsObject& object) {
-  if (object.line == 0) return fmt::format("{} {}", Words(address), object.name);
-  return fmt::format("{} {} (line {} of the EDS)", Words(address), object.name, object.line);
+  return fmt::format("{} {}", Words(address), object.name);
+}
+
+// Of the object, or of one beside it where it is missing.
+FilePlace SectionOf(const EdsFile& eds, std::uint16_t index) {
+  const auto found = eds.objects.lower_bound({index, 0});
+  const bool is_there = found != eds.objects.end() && found->first.index == index;
+  return is_there ? found->second.section_place : FilePlace{1, 1};
 }
 
 std::string LeftOutBy(std::string_view quirk) {
@@ -46,7 +67,8 @@ std::string HowToLeaveOut(const CommissioningStep& step, const DriveProfile& pro
       std::ranges::none_of(CommissioningSteps(without, 1),
                            [&](const CommissioningStep& other) { return other.address == step.address; });
   if (!is_left_out) return "";
-  if (const Findings wrong = CheckProfile(without); !wrong.empty()) return ": " + wrong.front();
+  if (const std::vector<std::string> wrong = CheckProfile(without); !wrong.empty())
+    return ": " + wrong.front();
   return LeftOutBy(fmt::format("absent_objects: [0x{:04X}]", index));
 }
 
@@ -66,38 +88,36 @@ std::string HowNotToMap(std::uint16_t index, const DriveProfile& profile) {
 }
 
 void CheckStep(const DriveProfile& profile, const CommissioningStep& step, const EdsFile& eds,
-               std::uint8_t node_id, Findings& findings) {
+               std::uint8_t node_id, EdsFindings& findings) {
   const auto found = eds.objects.find(step.address);
   if (found == eds.objects.end()) {
     if (step.action == CommissioningStep::Action::kExpectNoEnd) return;  // none to be had
     // One object may be set and watched: it is told once.
     const std::string what = Words(step.address) + " (";
-    const bool is_told =
-        std::ranges::any_of(findings, [&](const std::string& finding) { return finding.starts_with(what); });
-    if (is_told) return;
-    findings.push_back(
-        fmt::format("{}{}) is not in the EDS{}", what, step.purpose, HowToLeaveOut(step, profile)));
+    if (findings.HaveOne(what)) return;
+    findings.Add(SectionOf(eds, step.address.index),
+                 fmt::format("{}{}) is not in the EDS{}", what, step.purpose, HowToLeaveOut(step, profile)));
     return;
   }
   const EdsObject& object = found->second;
   const std::string name = Named(step.address, object);
   if (!object.unclear.empty()) {
-    findings.push_back(fmt::format("{}: the EDS gives it {}", name, object.unclear));
+    findings.Add(object.unclear_place, fmt::format("{}: the EDS gives it {}", name, object.unclear));
     return;
   }
   if (BytesOf(object.type) != step.bytes) {
-    findings.push_back(
-        fmt::format("{}: {} bytes in the profile, {} in the EDS", name, step.bytes, BytesOf(object.type)));
+    findings.Add(object.type_place, fmt::format("{}: {} bytes in the profile, {} in the EDS", name,
+                                                step.bytes, BytesOf(object.type)));
     return;
   }
   if (step.action != CommissioningStep::Action::kWrite) {
     if (object.access == AccessType::kWriteOnly) {
-      findings.push_back(fmt::format("{}: is read, but can only be written", name));
+      findings.Add(object.access_place, fmt::format("{}: is read, but can only be written", name));
     }
     return;
   }
   if (object.access == AccessType::kReadOnly || object.access == AccessType::kConstant) {
-    findings.push_back(fmt::format("{}: is written, but can only be read", name));
+    findings.Add(object.access_place, fmt::format("{}: is written, but can only be read", name));
   }
   const unsigned bits = 8U * step.bytes;
   const bool is_whole = step.mask == (bits >= 32 ? 0xFFFFFFFF : (1U << bits) - 1);
@@ -108,59 +128,64 @@ void CheckStep(const DriveProfile& profile, const CommissioningStep& step, const
   // The watched node stands above bit 16 of 1016h: a limit of 16 bits is meant for the time below.
   if (step.address.index == 0x1016 && high && *high <= 0xFFFF) value &= 0xFFFF;
   if (low && value < *low) {
-    findings.push_back(fmt::format("{}: {} is below the EDS's low limit {}", name, value, *low));
+    findings.Add(object.low_place, fmt::format("{}: {} is below the EDS's low limit {}", name, value, *low));
   }
   if (high && value > *high) {
-    findings.push_back(fmt::format("{}: {} is above the EDS's high limit {}", name, value, *high));
+    findings.Add(object.high_place,
+                 fmt::format("{}: {} is above the EDS's high limit {}", name, value, *high));
   }
 }
 
-void CheckMapped(const DriveProfile& profile, const PdoSetting& pdo, const EdsFile& eds, Findings& findings) {
+void CheckMapped(const DriveProfile& profile, const PdoSetting& pdo, const EdsFile& eds,
+                 EdsFindings& findings) {
   for (const PdoEntry& entry : pdo.entries) {
     const auto found = eds.objects.find(entry.address);
     if (found == eds.objects.end()) {
-      findings.push_back(fmt::format("{} is mapped, but is not in the EDS{}", Words(entry.address),
-                                     HowNotToMap(entry.address.index, profile)));
+      findings.Add(SectionOf(eds, entry.address.index),
+                   fmt::format("{} is mapped, but is not in the EDS{}", Words(entry.address),
+                               HowNotToMap(entry.address.index, profile)));
       continue;
     }
     const EdsObject& object = found->second;
     const std::string name = Named(entry.address, object);
     if (!object.unclear.empty()) {
-      findings.push_back(fmt::format("{}: the EDS gives it {}", name, object.unclear));
+      findings.Add(object.unclear_place, fmt::format("{}: the EDS gives it {}", name, object.unclear));
       continue;
     }
     if (!object.mappable)
-      findings.push_back(fmt::format("{}: is mapped, but the EDS does not allow it{}", name,
-                                     HowNotToMap(entry.address.index, profile)));
+      findings.Add(object.mapping_place, fmt::format("{}: is mapped, but the EDS does not allow it{}", name,
+                                                     HowNotToMap(entry.address.index, profile)));
     if (8 * BytesOf(object.type) != entry.bits) {
-      findings.push_back(
-          fmt::format("{}: {} bits mapped, {} in the EDS", name, entry.bits, 8 * BytesOf(object.type)));
+      findings.Add(object.type_place, fmt::format("{}: {} bits mapped, {} in the EDS", name, entry.bits,
+                                                  8 * BytesOf(object.type)));
     }
     const bool is_to_drive = pdo.flow == PdoFlow::kToDrive;
     if (is_to_drive && (object.access == AccessType::kReadOnly || object.access == AccessType::kConstant)) {
-      findings.push_back(fmt::format("{}: is mapped to be written, but can only be read", name));
+      findings.Add(object.access_place,
+                   fmt::format("{}: is mapped to be written, but can only be read", name));
     }
     if (!is_to_drive && object.access == AccessType::kWriteOnly) {
-      findings.push_back(fmt::format("{}: is mapped to be read, but can only be written", name));
+      findings.Add(object.access_place,
+                   fmt::format("{}: is mapped to be read, but can only be written", name));
     }
   }
 }
 
 void CheckIdentity(std::string_view name, std::uint32_t profile, std::optional<std::uint32_t> eds,
-                   Findings& findings) {
+                   FilePlace place, EdsFindings& findings) {
   if (profile != 0 && eds.value_or(0) != 0 && profile != *eds) {  // many a maker leaves a 0
-    findings.push_back(fmt::format("{} {:08X}h in the profile, {:08X}h in the EDS", name, profile, *eds));
+    findings.Add(place, fmt::format("{} {:08X}h in the profile, {:08X}h in the EDS", name, profile, *eds));
   }
 }
 
 }  // namespace
 
-std::vector<std::string> CheckProfileAgainstEds(const DriveProfile& profile, const EdsFile& eds,
-                                                std::uint8_t node_id) {
-  Findings findings;
-  CheckIdentity("vendor", profile.identity.vendor, eds.vendor_number, findings);
-  CheckIdentity("product", profile.identity.product, eds.product_number, findings);
-  CheckIdentity("revision", profile.identity.revision, eds.revision_number, findings);
+std::vector<FileNote> CheckProfileAgainstEds(const DriveProfile& profile, const EdsFile& eds,
+                                             std::uint8_t node_id) {
+  EdsFindings findings;
+  CheckIdentity("vendor", profile.identity.vendor, eds.vendor_number, eds.vendor_place, findings);
+  CheckIdentity("product", profile.identity.product, eds.product_number, eds.product_place, findings);
+  CheckIdentity("revision", profile.identity.revision, eds.revision_number, eds.revision_place, findings);
   // What is only read before a start may be left unread; a setting that is there must be made.
   DriveProfile whole = profile;
   whole.quirks.absent_objects.clear();
@@ -177,19 +202,15 @@ std::vector<std::string> CheckProfileAgainstEds(const DriveProfile& profile, con
     if (is_looked_at && std::ranges::none_of(all_steps, is_written)) continue;
     const auto found = eds.objects.lower_bound({index, 0});
     if (found != eds.objects.end() && found->first.index == index) {
-      findings.push_back(fmt::format("{:04X}h is absent according to the profile, but is in the EDS", index));
+      findings.Add(SectionOf(eds, index),
+                   fmt::format("{:04X}h is absent according to the profile, but is in the EDS", index));
     }
   }
   for (const CommissioningStep& step : CommissioningSteps(profile, node_id)) {
     CheckStep(profile, step, eds, node_id, findings);
   }
   for (const PdoSetting& pdo : PdosOf(profile, node_id)) CheckMapped(profile, pdo, eds, findings);
-  // Several steps touch the same object; each finding is told once.
-  Findings once;
-  for (std::string& finding : findings) {
-    if (std::find(once.begin(), once.end(), finding) == once.end()) once.push_back(std::move(finding));
-  }
-  return once;
+  return std::move(findings).Take();
 }
 
 }  // namespace strainwave::protocols::canopen

@@ -143,8 +143,32 @@ class DriveProfile(unittest.TestCase):
         report, profile = self.draft(without(self.sheet, "1016"))
         said = ("1016h:01 (watch over the master's heartbeat) is not in the EDS: a drive without heartbeats (1016h, 1017h) cannot "
                 "be watched")
-        self.assertEqual(report["warnings"], [f"{self.profiles / 'x.eds'}: warning: {said}"])
-        self.assertIn(f"\n#   {said}\n", profile)
+        self.assertEqual(report["warnings"], [f"{self.profiles / 'x.eds'}:1:1: warning: {said}"])
+        self.assertIn(f"\n#   1:1: {said}\n", profile)
+
+    def test_what_does_not_fit_stands_at_its_value_by_line_and_column(self):
+        odd = self.sheet
+        for section, key, value in (("6085", "AccessType", "const"), ("6060", "DataType", "0x0003"), ("60FF", "PDOMapping", "0")):
+            odd, count = re.subn(rf"(?ms)(^\[{section}\]\n[^\[]*?^{key}=)[^\n]*", rf"\g<1> {value}", odd)
+            self.assertEqual(count, 1, section)
+
+        def place(section, key):
+            lines = odd.splitlines()
+            number = next(i for i in range(lines.index(f"[{section}]"), len(lines)) if lines[i].startswith(key))
+            return f"{self.profiles / 'x.eds'}:{number + 1}:{len(key) + 3}: warning: {section}h:00 "
+
+        report, profile = self.draft(odd)
+        for section, key in (("6085", "AccessType"), ("6060", "DataType"), ("60FF", "PDOMapping")):
+            self.assertTrue(any(line.startswith(place(section, key)) for line in report["warnings"]), (section, report["warnings"]))
+        self.assertTrue(all(re.search(r"x\.eds:\d+:\d+: warning: ", line) for line in report["warnings"]))
+        # The profile of it is refused with the same places.
+        mine = self.profiles / "strainwave_drive.yaml"
+        for key, value in FILLED_IN.items():
+            profile = re.sub(rf"(?m)^  {key}: to be filled in", f"  {key}: {value}", profile)
+        mine.write_text(profile, encoding="utf-8")
+        code, _, told = self.validate()
+        self.assertEqual(code, 2)
+        self.assertIn(place("6085", "AccessType").replace("warning: ", "").split("/")[-1], told)
 
     def test_a_drive_that_cannot_repeat_or_map_is_read(self):
         sheet = re.sub(r"(?ms)^\[1800sub5\]\n.*?(?=^\[)", "", self.sheet)
@@ -157,7 +181,7 @@ class DriveProfile(unittest.TestCase):
     def test_controlword_and_statusword_make_a_drive_whatever_the_device_type_says(self):
         report, _ = self.draft(self.sheet.replace("0x00020192", "0x92010200"))
         self.assertEqual(report["warnings"], [
-            f"{self.profiles / 'x.eds'}:118:1: warning: 1000h tells a device of profile 512 (expected 402; where the drive itself "
+            f"{self.profiles / 'x.eds'}:123:14: warning: 1000h tells a device of profile 512 (expected 402; where the drive itself "
             "tells it, too, quirks: {absent_objects: [0x1000]} in the profile)"])
 
     def test_an_option_code_that_the_drive_does_not_take_is_its_own(self):
@@ -179,7 +203,7 @@ class DriveProfile(unittest.TestCase):
         refused(f"{none}:1:1: error: no object is described (expected an electronic data sheet, as in CiA 306)", none)
         other = self.folder / "io.eds"
         other.write_text(without(self.sheet, "6040").replace("0x00020192", "0x000F0191"), encoding="utf-8")
-        refused(f"{other}:118:1: error: 1000h tells a device of profile 401 (expected 402, a drive by CiA 402)", other)
+        refused(f"{other}:123:14: error: 1000h tells a device of profile 401 (expected 402, a drive by CiA 402)", other)
         other.write_text(without(without(self.sheet, "6041"), "1000"), encoding="utf-8")
         refused(f"{other}:1:1: error: there is no controlword or no statusword (expected 6040h and 6041h, a drive by CiA 402)", other)
         sheet = self.profiles / "strainwave_drive.eds"

@@ -345,9 +345,9 @@ TEST(ParseEds, TakesWhatDoesNotSayWhichProductItIs) {
 
 TEST(ParseEds, MarksAnObjectWhoseTypeOrAccessCannotBeTold) {
   EXPECT_EQ(Object(ParseEds(Replaced("DataType=0x0006", "DataType=0x0042"), "x"), 0x2001).unclear,
-            "no DataType that is known here (line 99)");
+            "no DataType that is known here");
   EXPECT_EQ(Object(ParseEds(Replaced("AccessType=wo\n", ""), "x"), 0x2001).unclear,
-            "no AccessType that is known here (line 97)");
+            "no AccessType that is known here");
 }
 
 TEST(ParseEds, TakesObjectsInNoneOfTheListsAndCommentsBehindNumbers) {

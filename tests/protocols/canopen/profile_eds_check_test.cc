@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <map>
 #include <tuple>
 
 #include "protocols/canopen/drive_profile.h"
@@ -75,17 +76,23 @@ EdsFile EasyEds() {
   return eds;
 }
 
+Findings WhatOf(const std::vector<FileNote>& notes) {
+  Findings words;
+  for (const FileNote& note : notes) words.push_back(note.what);
+  return words;
+}
+
 template <typename Change>
 Findings CheckWith(Change change) {
   DriveProfile profile = EasyProfile();
   EdsFile eds = EasyEds();
   change(profile, eds);
-  return CheckProfileAgainstEds(profile, eds, 3);
+  return WhatOf(CheckProfileAgainstEds(profile, eds, 3));
 }
 
 // Point 12.
 TEST(CheckProfileAgainstEds, FindsNothingWhereBothAgree) {
-  EXPECT_EQ(CheckProfileAgainstEds(EasyProfile(), EasyEds(), 3), Findings{});
+  EXPECT_EQ(WhatOf(CheckProfileAgainstEds(EasyProfile(), EasyEds(), 3)), Findings{});
 }
 
 TEST(CheckProfileAgainstEds, FindsAnotherDrive) {
@@ -179,13 +186,28 @@ TEST(CheckProfileAgainstEds, SaysWhereOtherPdosAreAWayOut) {
                       "do without it)"}));
 }
 
-TEST(CheckProfileAgainstEds, NamesTheLineOfTheEds) {
-  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
-              eds.objects[{0x6085, 0}].access = kConstant;
-              eds.objects[{0x6085, 0}].line = 71;
-            }),
-            (Findings{"6085h:00 Quick stop deceleration (line 71 of the EDS): is written, but can only be "
-                      "read"}));
+TEST(CheckProfileAgainstEds, GivesThePlaceOfWhatDoesNotFit) {
+  EdsFile eds = EasyEds();
+  EdsObject& written = eds.objects[{0x6085, 0}];
+  written.access = kConstant;
+  written.section_place = {70, 1};
+  written.access_place = {74, 12};
+  eds.objects[{0x6072, 0}].low_limit = "2001";
+  eds.objects[{0x6072, 0}].low_place = {80, 10};
+  eds.objects[{0x6065, 0}].type = kUnsigned16;
+  eds.objects[{0x6065, 0}].type_place = {90, 13};
+  eds.objects[{0x60FE, 1}].mappable = false;
+  eds.objects[{0x60FE, 1}].mapping_place = {99, 14};
+  eds.objects[{0x1400, 0}].section_place = {40, 1};
+  eds.objects.erase({0x1400, 5});
+  eds.objects.erase({0x605A, 0});
+  std::map<std::string, std::pair<int, int>> places;
+  for (const FileNote& note : CheckProfileAgainstEds(EasyProfile(), eds, 3))
+    places[note.what.substr(0, 8)] = {note.line, note.column};
+  const std::map<std::string, std::pair<int, int>> expected{{"6085h:00", {74, 12}}, {"6072h:00", {80, 10}},
+                                                            {"6065h:00", {90, 13}}, {"60FEh:01", {99, 14}},
+                                                            {"1400h:05", {40, 1}},  {"605Ah:00", {1, 1}}};
+  EXPECT_EQ(places, expected);
 }
 
 // The upper half of the object is the watched node, which no limit of 16 bits leaves room for.
@@ -221,13 +243,11 @@ TEST(CheckProfileAgainstEds, ComparesNoIdentityThatTheEdsDoesNotGive) {
 }
 
 TEST(CheckProfileAgainstEds, FindsATouchedObjectThatTheEdsLeavesUnclear) {
-  EXPECT_EQ(
-      CheckWith([](DriveProfile&, EdsFile& eds) {
-        eds.objects[{0x6085, 0}].unclear = "no DataType that is known here (line 9)";
-        eds.objects[{0x2000, 0}].unclear = "no DataType that is known here (line 5)";
-      }),
-      (Findings{
-          "6085h:00 Quick stop deceleration: the EDS gives it no DataType that is known here (line 9)"}));
+  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
+              eds.objects[{0x6085, 0}].unclear = "no DataType that is known here";
+              eds.objects[{0x2000, 0}].unclear = "no DataType that is known here";
+            }),
+            (Findings{"6085h:00 Quick stop deceleration: the EDS gives it no DataType that is known here"}));
 }
 
 TEST(CheckProfileAgainstEds, ReadsHexadecimalLimitsOfSignedTypes) {
