@@ -9,7 +9,7 @@ devices at random moments, resumed after each stop, and a ledger kept from outsi
 
 After every fault that the bench can see, torque is off and both brakes are on within the stated time, as the device
 side has it; load that is credited was served there; no cycle is lost, done twice or changed; results are those of a
-campaign without faults. The same seed draws the same faults. D/soak.txt is the ledger. Exit code 1 where one of these
+campaign without faults. The same seed draws the same faults. D/soak.txt is the ledger, D/KIND_campaigns what was compared. Exit code 1 where one of these
 does not hold.
 """
 import argparse
@@ -17,6 +17,7 @@ import hashlib
 import math
 import pathlib
 import random
+import shutil
 import statistics
 import subprocess
 import sys
@@ -267,6 +268,7 @@ def main():
                 code = 1
             finally:
                 soak.end()
+                shutil.copytree(soak.folder, options.out / f"{kind}_campaigns", dirs_exist_ok=True)
     return code
 
 
