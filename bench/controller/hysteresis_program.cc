@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/controller/hysteresis_program.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>
@@ -79,10 +80,19 @@ void HysteresisProgram::BeginAngle(const Readings& readings, const ServoDrive& d
 // ramp goes on until the transducer has seen the peak, up to a share above it.
 bool HysteresisProgram::Ramped(const Readings& readings) noexcept {
   const double peak_Nm = peaks_Nm_[peak_];
+  greatest_Nm_ = std::max(greatest_Nm_, std::copysign(1.0, peak_Nm) * readings.output_torque_Nm);
   const double most_Nm = kMostOvershoot * peak_Nm;
   torque_->Step(most_Nm, period_s_);
   if (torque_->value() == most_Nm) return true;
   return peak_Nm != 0.0 && std::copysign(1.0, peak_Nm) * (readings.output_torque_Nm - peak_Nm) >= 0.0;
+}
+
+// A loop may be over before the watch's dwell is: its peaks have to be there whatever the rate.
+StopReason HysteresisProgram::PeakAway(const Readings& readings) const noexcept {
+  const double peak_Nm = peaks_Nm_[peak_];
+  if (greatest_Nm_ >= (1.0 - kTorqueTolerance) * std::abs(peak_Nm)) return {};
+  return {StopCause::kTorqueAway, std::copysign(greatest_Nm_, peak_Nm), peak_Nm, readings.time,
+          BenchServo::kLoad};
 }
 
 // Rows of torque and angles of one moment each; none where nothing new has come. A torque that is sampled
@@ -132,6 +142,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
       torque_.emplace(parameters_.torque_rate_Nm_per_s);
       torque_watch_.emplace(kTorqueTolerance * parameters_.peak_torque_Nm, kTorqueDwell_s);
       peak_ = 0;
+      greatest_Nm_ = 0.0;
       hold_until_s_ = -1.0;
       alignment_ = {};
       loop_start_s_ = next_row_s_ = elapsed_s;
@@ -147,7 +158,10 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
         return StepResult::kFailedCheck;
       }
       if (hold_until_s_ >= 0.0 && elapsed_s >= hold_until_s_) {
+        failed_ = PeakAway(readings);
+        if (failed_) return StepResult::kFailedCheck;
         ++peak_;
+        greatest_Nm_ = 0.0;
         hold_until_s_ = -1.0;
       }
       if (!LogRows(readings, elapsed_s, devices.clock.Now())) return StepResult::kLogFull;

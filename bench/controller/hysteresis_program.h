@@ -36,6 +36,8 @@ class HysteresisProgram final : public PhaseProgram {
   double angles() const { return static_cast<double>(parameters_.lock_angles_rad.size()); }
   double loop_s() const;
   bool Ramped(const Readings& readings) noexcept;
+  /// After a peak: what the transducer has seen of it.
+  StopReason PeakAway(const Readings& readings) const noexcept;
   bool LogRows(const Readings& readings, double elapsed_s, std::chrono::nanoseconds now) noexcept;
   void BeginAngle(const Readings& readings, const ServoDrive& driving, double elapsed_s) noexcept;
 
@@ -55,6 +57,7 @@ class HysteresisProgram final : public PhaseProgram {
   double hold_until_s_{};
   std::vector<double> peaks_Nm_;  // turning points of the torque, in order
   std::size_t peak_{};
+  double greatest_Nm_{};  // towards the peak, by the transducer
   std::optional<Ramp> torque_;
   std::optional<SetPointWatch> torque_watch_;
   SampleAlignment alignment_;

@@ -215,7 +215,8 @@ TEST_F(Campaign, IsNotReadWithTheFileOfAnotherCycle) {
                              ": error: holds the records of cycle 1 (expected those of cycle 2)\n");
 }
 
-/// What every reader says of a campaign, but for the room on the disk, which changes meanwhile.
+/// What every reader says of a campaign, but for the room on the disk, which changes meanwhile, and that
+/// features could not be kept (read_only_medium_test.py).
 std::vector<std::string> Read(const std::string& campaign) {
   std::vector<std::string> said;
   for (const char* command : {"status", "recompute", "features"}) {
@@ -223,6 +224,7 @@ std::vector<std::string> Read(const std::string& campaign) {
     EXPECT_EQ(read.exit_code, 0) << command << ": " << read.error;
     nlohmann::json json = nlohmann::json::parse(read.out);
     json.erase("disk");
+    if (std::string_view(command) == "features") json.erase("warnings");
     said.push_back(json.dump());
   }
   return said;

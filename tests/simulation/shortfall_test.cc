@@ -119,6 +119,22 @@ TEST(Shortfall, OfTorqueEndsEveryMeasurementUnderLoad) {
   }
 }
 
+// A loop that is over in 5 s, of which a servo at its limit is near the set point for most of the ramps.
+TEST(Shortfall, OfTorqueEndsALockTestHoweverQuick) {
+  for (const double share : {0.25, 0.6, 0.95}) {
+    schedules::HysteresisTest quick = TestHysteresis();
+    quick.torque_rate_Nm_per_s = 40.0;
+    quick.hold_s = 0.1;
+    SpiedBench bench;
+    bench.load.share = share;
+    const auto program = MakeProgram(quick, TestSpecimen(), 0.0, 0.01);
+    const PhaseOutcome outcome = bench.runner.Run(*program, NoHeartbeat);
+    EXPECT_EQ(outcome.reason.cause, share < 0.95 ? StopCause::kTorqueAway : StopCause::kNone)
+        << share << ": " << Describe(outcome.reason);
+    EXPECT_TRUE(bench.Safe());
+  }
+}
+
 TEST(Shortfall, OfTorqueEndsTheDitherBeforeAZero) {
   SpiedBench bench;
   bench.load.share = 0.2;
