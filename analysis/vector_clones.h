@@ -7,8 +7,14 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define STRAINWAVE_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+/// The same without the widest: for loops that need other code there (`HasWideVectors`).
+#define STRAINWAVE_HALF_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+/// Compiled for the widest alone; call it only where `HasWideVectors`.
+#define STRAINWAVE_WIDE_VECTORS __attribute__((target("avx512f")))
 #else
 #define STRAINWAVE_VECTOR_CLONES
+#define STRAINWAVE_HALF_VECTOR_CLONES
+#define STRAINWAVE_WIDE_VECTORS
 #endif
 
 namespace strainwave::analysis {
@@ -22,5 +28,14 @@ inline constexpr int kLanes = 8;
 /// there, where many of them are kept at once.
 using HalfLanes = double __attribute__((vector_size(32), aligned(8), may_alias));
 inline constexpr int kHalfLanes = 4;
+
+/// Whether registers hold `Lanes`, so that many of them fit into a loop.
+inline bool HasWideVectors() {
+#if defined(__x86_64__) && defined(__GNUC__)
+  return __builtin_cpu_supports("avx512f") != 0;
+#else
+  return false;
+#endif
+}
 
 }  // namespace strainwave::analysis
