@@ -48,15 +48,18 @@ std::size_t PacketFeatures::Compute(std::span<const double> signal, std::span<do
   if (out.size() != CountPerChannel())
     throw std::invalid_argument(
         fmt::format("out has {} places (expected {})", out.size(), CountPerChannel()));
-  for (std::size_t i = 0; i < signal.size(); ++i) {
-    if (!std::isfinite(signal[i]))
-      throw std::invalid_argument(fmt::format("signal[{}] = {} is not finite", i, signal[i]));
-  }
   wavelets::DecomposePackets(signal, bank_, recipe_.border, recipe_.levels, packets_);
   std::size_t floored = 0;
+  double energy = 0.0;
   for (std::size_t leaf = 0; leaf < packets_.leaves.size(); ++leaf) {
     floored += BandFeatures(packets_.leaves[leaf], recipe_.normalised_entropy, workspace_,
                             out.subspan(leaf * kBandFeatures, kBandFeatures));
+    energy += out[leaf * kBandFeatures];
+  }
+  // A sample that is not finite makes coefficients of every band so, and with them its energy.
+  for (std::size_t i = 0; !std::isfinite(energy) && i < signal.size(); ++i) {
+    if (!std::isfinite(signal[i]))
+      throw std::invalid_argument(fmt::format("signal[{}] = {} is not finite", i, signal[i]));
   }
   return floored;
 }

@@ -70,7 +70,7 @@ void Transform(std::span<const double> signal, const FilterBank& bank, Border bo
   if (!detail.empty()) RequireCount("detail", detail.size(), count);
   const std::size_t half = bank.length() / 2;
   const Index shift = border == Border::kPeriodization ? static_cast<Index>(half) : 1;
-  PolyphaseBlock block;
+  thread_local PolyphaseBlock block;  // kept, since filling it with zeros each time takes time, too
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t here = std::min(kBlock, count - begin);
     Gather(signal, static_cast<Index>(2 * begin) + shift - static_cast<Index>(bank.length()) + 1,
