@@ -155,6 +155,7 @@ into_memory() {
   fi
   (
     trap 'rm -rf "$folder"' EXIT
+    chmod 711 "$folder"  # some tests look at a campaign as an ordinary user
     TMPDIR=$folder "$@"
   )
 }

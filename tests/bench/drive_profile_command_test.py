@@ -163,6 +163,7 @@ class DriveProfile(unittest.TestCase):
         self.assertTrue(all(re.search(r"x\.eds:\d+:\d+: warning: ", line) for line in report["warnings"]))
         # The profile of it is refused with the same places.
         mine = self.profiles / "strainwave_drive.yaml"
+        profile = re.sub(r"(?m)^eds: .*$", "eds: x.eds", profile)  # it was written elsewhere
         for key, value in FILLED_IN.items():
             profile = re.sub(rf"(?m)^  {key}: to be filled in", f"  {key}: {value}", profile)
         mine.write_text(profile, encoding="utf-8")
