@@ -68,18 +68,13 @@ double Rms(std::span<const float> samples) {
 // A sensor that is dead or at the end of its range, for a part of the record at least; empty: none.
 std::string StandingFlag(std::span<const float> samples) {
   constexpr std::size_t kLooked = 6;  // equal samples in a row that are worth a closer look
-  std::size_t run = 1;
-  std::size_t longest = 1;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    run = samples[i] == samples[i - 1] ? run + 1 : 1;
-    longest = std::max(longest, run);
-  }
-  if (longest < kLooked) return {};
   const std::vector<double> values(samples.begin(), samples.end());
+  const auto segments = analysis::samples::StandingSegments(values, kLooked);
+  if (segments.empty()) return {};
   std::size_t standing = 0;
   for (const auto& segment : analysis::samples::FindFrozen(values)) standing += segment.count;
   for (const auto& end : analysis::samples::FindSaturated(values)) standing = std::max(standing, end.count);
-  if (longest == samples.size()) standing = longest;
+  if (segments.front().count == samples.size()) standing = samples.size();
   if (standing == 0) return {};
   return fmt::format("{} of {} samples stand at one value: not connected, or at the end of its range",
                      standing, samples.size());

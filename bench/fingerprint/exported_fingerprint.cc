@@ -15,7 +15,6 @@
 #include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/onnx_dense.h"
 #include "bench/prediction/sealed_json.h"
-#include "bench/sha256.h"
 #include "daq/joint_columns.h"
 
 namespace strainwave::bench {
@@ -32,14 +31,6 @@ Eigen::RowVectorXd RowOf(const Json& json, Index size) {
   if (values.size() != static_cast<std::size_t>(size))
     throw std::invalid_argument(fmt::format("a row of {} values in place of {}", values.size(), size));
   return Eigen::Map<const Eigen::RowVectorXd>(values.data(), size);
-}
-
-std::string FileBeside(const std::filesystem::path& folder, const Json& entry) {
-  const std::filesystem::path path = folder / entry.at("file").get<std::string>();
-  std::string bytes = ReadBounded(path, kExportedAsWritten);
-  if (Sha256(bytes) != entry.at("sha256").get<std::string>())
-    Refuse(path, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
-  return bytes;
 }
 
 OnnxNetwork NetworkOf(const std::filesystem::path& file, const std::string& bytes, Index inputs,
@@ -94,7 +85,8 @@ ExportedFingerprint::Parts ExportedFingerprint::Read(const std::filesystem::path
       Refuse(file, fmt::format("format {}", json.at("format").dump()),
              fmt::format("format {}; export the model again", kFingerprintExportFormat));
     RequireSeal(file, json);
-    for (const char* card : {"model_card_json", "model_card_md"}) FileBeside(folder, json.at(card));
+    for (const char* card : {"model_card_json", "model_card_md"})
+      ReadListed(folder, json.at(card), kExportedAsWritten);
     Parts parts;
     parts.joints = json.at("joints").get<Index>();
     parts.samples = json.at("samples_per_file").get<Index>();
@@ -129,8 +121,8 @@ ExportedFingerprint::Parts ExportedFingerprint::Read(const std::filesystem::path
     if (parts.attribution.method == dynamics::Method::kGradients)
       Refuse(file, "its fingerprints are expected gradients, which an exported network does not give",
              "a model that was trained with --method exact or kernel");
-    parts.nominal_bytes = FileBeside(folder, json.at("nominal"));
-    parts.classifier_bytes = FileBeside(folder, json.at("classifier"));
+    parts.nominal_bytes = ReadListed(folder, json.at("nominal"), kExportedAsWritten);
+    parts.classifier_bytes = ReadListed(folder, json.at("classifier"), kExportedAsWritten);
     return parts;
   } catch (const Json::exception& error) {
     Refuse(file, fmt::format("cannot be used: {}", error.what()), kExportedAsWritten);

@@ -14,7 +14,6 @@
 #include "bench/errors/bench_error.h"
 #include "bench/prediction/baseline_file.h"
 #include "bench/prediction/sealed_json.h"
-#include "bench/sha256.h"
 
 namespace strainwave::bench {
 namespace {
@@ -22,11 +21,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kExportAsWritten = "the file as `strainwave export` wrote it";
+constexpr const char* kExportFolder = "a folder that `strainwave export` wrote";
 constexpr std::size_t kMostNames = 256;
-
-std::string ReadExportedFile(const std::filesystem::path& path) {
-  return ReadBounded(path, "a folder that `strainwave export` wrote");
-}
 
 // Names go into topics, labels and tables: letters, digits and '_', each once.
 void RequireNames(const std::filesystem::path& file, const char* what,
@@ -57,11 +53,7 @@ void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem
                       const Json& json) {
   RequireSeal(file, json);
   for (const char* card : {"model_card_json", "model_card_md"}) {
-    const Json& entry = json.at(card);
-    const std::filesystem::path path = folder / entry.at("file").get<std::string>();
-    if (Sha256(ReadExportedFile(path)) != entry.at("sha256").get<std::string>()) {
-      Refuse(path, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
-    }
+    ReadListed(folder, json.at(card), kExportFolder);
   }
 }
 
@@ -108,7 +100,7 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
 
 ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kExportedRecipe;
-  const std::string text = ReadExportedFile(file);
+  const std::string text = ReadBounded(file, kExportFolder);
   try {
     const Json json = Json::parse(text);
     if (json.at("format") != kExportFormat) {
@@ -120,16 +112,12 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
     if (!classes && json.at("predicts") != NameOf(OnnxNetwork::Predicts::kValues)) {
       Refuse(file, fmt::format("it predicts {}", json.at("predicts").dump()), "values or classes");
     }
-    const std::filesystem::path model = folder / json.at("model").at("file").get<std::string>();
     Parts parts{.recipe = RecipeFrom(json.at("recipe"), file),
                 .predicts = classes ? OnnxNetwork::Predicts::kClasses : OnnxNetwork::Predicts::kValues,
                 .outputs = json.at("outputs").get<std::vector<std::string>>(),
                 .coverage = json.at("coverage").get<double>(),
                 .golden = {},
-                .onnx = ReadExportedFile(model)};
-    if (Sha256(parts.onnx) != json.at("model").at("sha256").get<std::string>()) {
-      Refuse(model, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
-    }
+                .onnx = ReadListed(folder, json.at("model"), kExportFolder)};
     RequireNames(file, "outputs", parts.outputs);
     RequireNames(file, "channels", parts.recipe.channels);
     if (!(parts.recipe.sample_rate_hz > 0.0) ||

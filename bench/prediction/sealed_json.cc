@@ -36,4 +36,13 @@ std::string ReadBounded(const std::filesystem::path& file, const std::string& ex
   return std::move(text).str();
 }
 
+std::string ReadListed(const std::filesystem::path& folder, const nlohmann::ordered_json& entry,
+                       const std::string& expected) {
+  const std::filesystem::path path = folder / entry.at("file").get<std::string>();
+  std::string bytes = ReadBounded(path, expected);
+  if (Sha256(bytes) != entry.at("sha256").get<std::string>())
+    Refuse(path, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
+  return bytes;
+}
+
 }  // namespace strainwave::bench
