@@ -45,7 +45,7 @@ class Broker(monitor_fixture.MonitorTest):
         second.wait()
         self.assertRegex(second.said(), r"mqtt: \d+ windows of an earlier run wait in .*/outbox.db")
         broker.start()
-        host = self.listener(broker.port)
+        host = self.listener(broker, broker.port)
         third = self.start("--replay", self.record, "--pace", "max", "--settings", path, "--linger", 30)
         self.assertEqual(third.wait(60), 0, third.said())
         until(lambda: messages.extend(self.messages_of(host)) or messages[-1][0] == "NDEATH")

@@ -14,7 +14,6 @@ import h5py
 import mqtt_peer
 import numpy
 from stream_devices import BLOCK, CHANNELS
-from waiting import until
 
 
 class MonitorTest(unittest.TestCase):
@@ -71,16 +70,10 @@ class MonitorTest(unittest.TestCase):
         broker.start()
         self.addCleanup(broker.close)
         plain = int(found.group(1)) if (found := re.search(r"listener (\d+)", more)) else broker.port
-        return broker, self.listener(plain)
+        return broker, self.listener(broker, plain)
 
-    def listener(self, port):
-        def connect():
-            try:
-                return mqtt_peer.Client(port, "listener")
-            except ConnectionRefusedError:  # a broker opens its listeners one after the other
-                return None
-
-        host = until(connect)
+    def listener(self, broker, port):
+        host = broker.connected(lambda: mqtt_peer.Client(port, "listener"))
         self.addCleanup(host.close)
         host.subscribe("spBv1.0/lab/#")
         return host

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The other end of MQTT and Sparkplug B, from their specifications alone: a client (MQTT 3.1.1), a decoder of
 payloads by the wire format of protocol buffers, and a broker process (mosquitto) that can be killed."""
+import contextlib
 import json
 import pathlib
+import random
 import select
 import socket
 import struct
@@ -12,9 +14,13 @@ import time
 
 
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """A port that nobody listens on. It lies below those that the kernel gives to connections (32768 on, Linux), so that
+    none takes it before its server does."""
+    while True:
+        port = random.randrange(20000, 32768)
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 class Broker:
@@ -27,17 +33,21 @@ class Broker:
         self.settings = pathlib.Path(self.folder.name) / "mosquitto.conf"
         self.settings.write_text(f"listener {self.port} 127.0.0.1\n{more}\npersistence false\nmax_queued_messages 0\n"
                                  + ("" if "allow_anonymous" in more else "allow_anonymous true\n"))
+        self.log = self.settings.with_name("mosquitto.log")
         self.process = None
 
     def start(self):
-        self.process = subprocess.Popen(["/usr/sbin/mosquitto", "-c", str(self.settings)],
-                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        with open(self.log, "w", encoding="utf-8") as log:
+            self.process = subprocess.Popen(["/usr/sbin/mosquitto", "-c", str(self.settings)], stdout=log, stderr=log)
+        self.connected(lambda: socket.create_connection(("127.0.0.1", self.port), timeout=1)).close()
+
+    def connected(self, connect):
+        """What `connect` gives once the broker takes connections: it opens its listeners one after the other."""
         while True:
-            assert self.process.poll() is None, "mosquitto did not start"
             try:
-                socket.create_connection(("127.0.0.1", self.port), timeout=1).close()
-                return
-            except ConnectionRefusedError:
+                return connect()
+            except (ConnectionRefusedError, ConnectionResetError):
+                assert self.process.poll() is None, f"mosquitto ended: {self.log.read_text()}"
                 select.select([], [], [], 0.005)
 
     def kill(self):
