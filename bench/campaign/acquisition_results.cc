@@ -15,8 +15,6 @@ namespace {
 
 using daq::acquisition::RunningStatistics;
 
-constexpr const char* kReceived = "samples_received_";
-constexpr const char* kLost = "samples_lost_";
 constexpr double kPpm = 1e6;
 
 void Add(daq::Record& record, const char* name, double value) {
@@ -110,8 +108,8 @@ std::vector<Result> SourceResults(std::span<const NamedRecord> records) {
             ? fmt::format("{:.0f} of them told from the time that went by, not from a counter",
                           sums.estimated)
             : "";
-    results.push_back({kReceived + name, sums.received, 0.0, ""});
-    results.push_back({kLost + name, sums.lost, 0.0, flag});
+    results.push_back({kSamplesReceived + name, sums.received, 0.0, ""});
+    results.push_back({kSamplesLost + name, sums.lost, 0.0, flag});
     if (std::isnan(sums.drift_ppm)) continue;
     results.push_back({"clock_drift_ppm_" + name, sums.drift_ppm, 0.5 * sums.drift_ci95_ppm, ""});
   }
@@ -147,27 +145,6 @@ std::vector<Result> VibrationStatisticsResults(std::span<const NamedRecord> reco
     add("kurtosis", "", statistics.kurtosis());
   }
   return results;
-}
-
-std::map<std::string, SampleCount> SamplesOf(const Journal& journal) {
-  std::map<std::string, SampleCount> received;
-  std::map<std::string, double> lost;
-  const auto source_of = [](const CycleResult& row, std::string_view prefix) {
-    return row.result.quantity.substr(prefix.size());
-  };
-  // Both in one walk through the journal.
-  const auto take = [&](const CycleResult& row) {
-    if (row.result.quantity.starts_with(kReceived)) {
-      received[source_of(row, kReceived)].received += row.result.value;
-    } else if (row.result.quantity.starts_with(kLost)) {
-      lost[source_of(row, kLost)] += row.result.value;
-    }
-    return true;
-  };
-  journal.ForEachResult("samples_", take, 0);
-  // What was lost in the files of a source begins alike, and is of no source by that name.
-  for (auto& [source, count] : received) count.lost = lost[source];
-  return received;
 }
 
 }  // namespace strainwave::bench

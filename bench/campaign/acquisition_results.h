@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +10,10 @@
 #include "bench/roles/sample_sources.h"
 
 namespace strainwave::bench {
+
+/// How results of a source's samples begin, before the name of the source.
+inline constexpr const char* kSamplesReceived = "samples_received_";
+inline constexpr const char* kSamplesLost = "samples_lost_";
 
 /// A record of what came of a source since `before`: samples received and lost, gaps, and its clock.
 NamedRecord SourceRecord(const SourceTotals& before, const SourceTotals& now);
@@ -27,13 +30,5 @@ std::vector<Result> SourceResults(std::span<const NamedRecord> records);
 /// "PHASE_vibration_rms_CHANNEL_m_per_s2", "…_peak_…", and "PHASE_vibration_crest_CHANNEL", "…_kurtosis_…",
 /// which have no unit.
 std::vector<Result> VibrationStatisticsResults(std::span<const NamedRecord> records);
-
-struct SampleCount {
-  double received{};
-  double lost{};
-};
-
-/// Of the whole campaign, by source.
-std::map<std::string, SampleCount> SamplesOf(const Journal& journal);
 
 }  // namespace strainwave::bench

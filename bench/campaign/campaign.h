@@ -41,7 +41,8 @@ CampaignInputs ReadFrozenInputs(const CampaignFolder& folder, const Journal& jou
 /// @throws BenchError when the folder is not a campaign, a frozen file is not the one that the campaign was
 ///   started with, or the checkpoint is of another campaign or further on than the journal (which then has
 ///   lost its last rows); DatabaseError when the journal is damaged.
-Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode);
+Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode,
+                     PagesChecked checked = PagesChecked::kAll);
 
 /// What is allowed but uncertain about the files of a campaign, each with the file: parts of the journal
 /// that no checksum covers, a damaged state in the checkpoint.

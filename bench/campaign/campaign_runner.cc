@@ -12,6 +12,7 @@
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/disk_room.h"
 #include "bench/campaign/runner_settings.h"
+#include "bench/campaign/sample_totals.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/controller/make_program.h"
 #include "bench/sha256.h"
@@ -335,6 +336,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
     }
     for (const Calibration& calibration : stored.calibrations) journal_.SetCalibration(calibration, UtcNow());
     journal_.EndCycle(cycle_, Time_s(), "complete", records_sha256);
+    KeepSampleTotals(journal_);
     transaction.Commit();
   }
   held_.DemandInPlace();

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bench/alarms/alarm_list.h"
-#include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/check_trends.h"
 #include "bench/campaign/disk_room.h"
@@ -15,6 +14,7 @@
 #include "bench/campaign/pause.h"
 #include "bench/campaign/quality.h"
 #include "bench/campaign/run_begun.h"
+#include "bench/campaign/sample_totals.h"
 #include "bench/campaign/source_states.h"
 
 namespace strainwave::bench {

@@ -35,7 +35,7 @@ void AddUncertainty(const BenchCorrections& corrections, analysis::TransmissionE
 }
 
 CycleCurves ReadCycleCurves(const CampaignFolder& folder, const Journal& journal, int cycle,
-                const CycleContext& context) {
+                            const CycleContext& context) {
   CycleCurves drawn;
   drawn.records = ReadCycleRecords(folder, journal, cycle);
   drawn.analysis = AnalyzeCycle(drawn.records, context);

@@ -112,7 +112,7 @@ Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
   return OfFile(file, mode, report ? report->unsealed : 0);
 }
 
-Journal Journal::OpenChecked(const std::filesystem::path& file, Database::Mode mode) {
+Journal Journal::OpenAsRead(const std::filesystem::path& file, Database::Mode mode) {
   return OfFile(file, mode, 0);
 }
 
@@ -146,11 +146,16 @@ std::string Journal::Unchecked() const {
 }
 
 double Journal::LatestTime_s() const {
+  // Bench time does not go back from row to row, so that the newest rows have the latest.
   Statement statement = database_.Prepare(
-      "SELECT IFNULL(MAX(latest_s), 0.0) FROM (SELECT MAX(time_s) AS latest_s FROM events "
-      "UNION ALL SELECT MAX(time_s) FROM holes UNION ALL SELECT MAX(started_s) FROM cycles "
-      "UNION ALL SELECT MAX(ended_s) FROM cycles UNION ALL SELECT MAX(started_s) FROM phases "
-      "UNION ALL SELECT MAX(ended_s) FROM phases)");
+      "SELECT IFNULL(MAX(latest_s), 0.0) FROM ("
+      "SELECT * FROM (SELECT time_s AS latest_s FROM events ORDER BY id DESC LIMIT 100) UNION ALL "
+      "SELECT * FROM (SELECT time_s FROM holes ORDER BY id DESC LIMIT 100) UNION ALL "
+      "SELECT * FROM (SELECT MAX(started_s, IFNULL(ended_s, started_s)) FROM cycles ORDER BY cycle DESC "
+      "LIMIT 100) "
+      "UNION ALL "
+      "SELECT * FROM (SELECT MAX(started_s, IFNULL(ended_s, started_s)) FROM phases ORDER BY id DESC LIMIT "
+      "100))");
   statement.Step();
   return statement.Real(0);
 }

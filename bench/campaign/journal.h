@@ -114,6 +114,10 @@ struct Hole {
 /// Property: the campaign's cycles, those that it was extended by among them.
 inline constexpr const char* kCycles = "cycles";
 
+/// Which pages of a journal are compared with their checksums: all before the first is used, or each as it is
+/// read. A damaged one that nothing reads goes unnoticed in the second case.
+enum class PagesChecked { kAll, kAsRead };
+
 /// The campaign's journal, `campaign.db`: what was done, when, with which outcome, and every result.
 /// Times in seconds are bench time, which stands still while the program does not run; `utc` is for people.
 /// Every page carries a checksum (`page_checksums.h`) but in journals of earlier versions of this program.
@@ -127,9 +131,9 @@ class Journal {
   /// @throws DatabaseError when the file is missing, damaged, or not a journal of this program.
   static Journal Open(const std::filesystem::path& file, Database::Mode mode);
 
-  /// One that was opened before: its pages are looked at as they are read, and not all at first.
-  static Journal OpenChecked(const std::filesystem::path& file,
-                             Database::Mode mode = Database::Mode::kReadOnly);
+  /// Its pages are looked at as they are read, and not all at first. It must exist.
+  static Journal OpenAsRead(const std::filesystem::path& file,
+                            Database::Mode mode = Database::Mode::kReadOnly);
 
   const Database& database() const { return database_; }
   /// What of the file no checksum covers, in words; empty: nothing.

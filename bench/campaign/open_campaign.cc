@@ -50,13 +50,14 @@ void CheckEnd(const CampaignFolder& folder, const std::optional<Checkpoint>& che
 
 }  // namespace
 
-Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode) {
+Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode, PagesChecked checked) {
   if (!std::filesystem::exists(folder.Schedule())) {
     Refuse(folder.root, "not a campaign", "a folder with schedule.yaml, bench.yaml and campaign.db");
   }
   // Read before the journal, which a running program meanwhile goes on with.
   const auto checkpoint = ReadCheckpoint(folder.Checkpoint());
-  Journal journal = Journal::Open(folder.Journal(), mode);
+  Journal journal = checked == PagesChecked::kAll ? Journal::Open(folder.Journal(), mode)
+                                                  : Journal::OpenAsRead(folder.Journal(), mode);
   CheckFrozenFiles(folder, journal);
   CheckEnd(folder, checkpoint, journal);
   return journal;

@@ -12,8 +12,8 @@ namespace strainwave::bench {
 /// torque, the starting torque.
 std::vector<Result> RotationResults(const daq::Record& record, double ratio);
 
-/// Of its vibration: RMS of each accelerometer about its mean, flagged where the sensor was dead or at the end
-/// of its range for a part of the record.
+/// Of its vibration: RMS of each accelerometer about its mean, flagged where the sensor was dead or at the
+/// end of its range for a part of the record.
 std::vector<Result> VibrationResults(const daq::Record& record);
 
 }  // namespace strainwave::bench

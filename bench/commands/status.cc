@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -27,10 +30,21 @@ namespace {
 struct StatusOptions {
   std::string folder;
   bool json{};
+  bool check_all{};
 };
 
-CampaignStatus ReadStatus(const CampaignFolder& folder) {
-  const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
+// A journal of so many bytes, about 17 000 cycles, is compared with its checksums as a matter of course: that
+// takes 30 ms at 1.1 GB/s, as long as everything else that `status` does. Of a larger one only what is shown.
+constexpr std::uintmax_t kAlwaysChecked_bytes = 32U << 20U;
+
+PagesChecked CheckedOf(const CampaignFolder& folder, bool check_all) {
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(folder.Journal(), none);
+  return check_all || none || bytes <= kAlwaysChecked_bytes ? PagesChecked::kAll : PagesChecked::kAsRead;
+}
+
+CampaignStatus ReadStatus(const CampaignFolder& folder, PagesChecked checked) {
+  const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly, checked);
   for (const std::string& warning : WarningsAbout(folder, journal)) ToStderr("{}\n", warning);
   return StatusOf(folder, journal, ReadFrozenInputs(folder, journal));
 }
@@ -58,7 +72,7 @@ void PrintLive(const CampaignStatus& status) {
   }
 }
 
-void Print(const CampaignStatus& status, const CampaignFolder& folder) {
+void Print(const CampaignStatus& status, const CampaignFolder& folder, PagesChecked checked) {
   ToStdout("{}: {}\n", folder.root.string(),
            status.process > 0                 ? fmt::format("running in process {}", status.process)
            : status.complete == status.cycles ? "complete"
@@ -113,12 +127,18 @@ void Print(const CampaignStatus& status, const CampaignFolder& folder) {
                ? ""
                : fmt::format(", last at {} ({})", status.holes.back().start_utc, status.holes.back().cause),
            DurationText(status.longest_pause_s));
+  if (checked == PagesChecked::kAsRead) {
+    ToStdout(
+        "  journal      what is shown was compared with its checksums; all of it: strainwave status {} "
+        "--check-all\n",
+        folder.root.string());
+  }
   for (const Event& event : status.events) {
     ToStdout("  {} cycle {} {}: {}\n", event.utc, event.cycle, event.severity, event.text);
   }
 }
 
-nlohmann::json Json(const CampaignStatus& status) {
+nlohmann::json Json(const CampaignStatus& status, PagesChecked checked) {
   nlohmann::json holes = nlohmann::json::array();
   for (const Hole& hole : status.holes) {
     holes.push_back({{"cycle", hole.cycle},
@@ -173,7 +193,8 @@ nlohmann::json Json(const CampaignStatus& status) {
           {"alarms", AlarmsJson(status.open_alarms, status.alarm_rules, {})},
           {"notes", NotesJson(status.notes)},
           {"holes", std::move(holes)},
-          {"longest_pause_s", status.longest_pause_s}};
+          {"longest_pause_s", status.longest_pause_s},
+          {"journal_checked", checked == PagesChecked::kAll ? "all" : "as read"}};
 }
 
 }  // namespace
@@ -186,11 +207,15 @@ void AddStatus(CLI::App& app, Action& action) {
   auto options = std::make_shared<StatusOptions>();
   command->add_option("DIR", options->folder, "the campaign's folder")->required();
   command->add_flag("--json", options->json, "JSON on standard output");
+  command->add_flag("--check-all", options->check_all,
+                    "compare the whole journal with its checksums; above 32 MiB only what is shown is "
+                    "compared, as run --resume and recompute compare all of it in any case");
   command->callback([options, &action] {
     action = [options] {
       const CampaignFolder folder{options->folder};
-      const CampaignStatus status = ReadStatus(folder);
-      options->json ? ToStdout("{}\n", DocumentOf(Json(status))) : Print(status, folder);
+      const PagesChecked checked = CheckedOf(folder, options->check_all);
+      const CampaignStatus status = ReadStatus(folder, checked);
+      options->json ? ToStdout("{}\n", DocumentOf(Json(status, checked))) : Print(status, folder, checked);
       return static_cast<int>(ExitCode::kDone);
     };
   });

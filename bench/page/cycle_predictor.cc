@@ -89,7 +89,7 @@ bool CyclePredictor::Ask(int cycle, Done done) {
 }
 
 std::string CyclePredictor::Predict(int cycle) {
-  const Journal journal = Journal::OpenChecked(folder_.Journal());
+  const Journal journal = Journal::OpenAsRead(folder_.Journal());
   const int last = std::max(0, journal.LastCompleteCycle());
   if (cycle > last) {
     throw std::invalid_argument(fmt::format("cycle {} is not complete (expected at most {})", cycle, last));

@@ -23,7 +23,7 @@ std::string SentenceOf(const BenchError& error) {
 }
 
 std::string Act(const CampaignFolder& folder, const AskedAction& asked, const Moment& now) {
-  Journal journal = Journal::OpenChecked(folder.Journal(), Database::Mode::kReadWrite);
+  Journal journal = Journal::OpenAsRead(folder.Journal(), Database::Mode::kReadWrite);
   if (std::holds_alternative<NoteRequest>(asked.action->what)) {
     journal.AddOperatorNote({UtcText(now.utc_ms), asked.by, asked.text});
     return "the note is in the journal";
@@ -56,7 +56,7 @@ ActionAnswer ActInJournal(const CampaignFolder& folder, const AskedAction& asked
 void RecordAction(const CampaignFolder& folder, const AskedAction& asked, const CampaignSnapshot& snapshot,
                   const std::string& utc) {
   const CampaignProgress& progress = snapshot.progress;
-  Journal journal = Journal::OpenChecked(folder.Journal(), Database::Mode::kReadWrite);
+  Journal journal = Journal::OpenAsRead(folder.Journal(), Database::Mode::kReadWrite);
   const std::string by = asked.by.empty() ? "somebody who was not logged in" : Escaped(asked.by);
   const std::string why = asked.text.empty() ? "" : fmt::format(": {}", Escaped(asked.text));
   journal.AddEvent({.time_s = progress.latest_s,

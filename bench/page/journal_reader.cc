@@ -43,7 +43,7 @@ bool JournalReader::AskCycles(const CyclesQuery& query, int cycles_complete, Don
 
 bool JournalReader::AskAlarms(bool all, Done done) {
   const auto read = [this, all] {
-    const Journal journal = Journal::OpenChecked(folder_.Journal());
+    const Journal journal = Journal::OpenAsRead(folder_.Journal());
     const auto rules = ReadFrozenInputs(folder_, journal).bench.alarms;
     return JsonText(AlarmListJson(journal, rules, all, Now())) + "\n";
   };
@@ -56,7 +56,7 @@ bool JournalReader::AskMeasurements(int cycle, Done done) {
 
 bool JournalReader::AskLive(Done done) {
   const auto read = [this] {
-    const std::uint64_t campaign = Journal::OpenChecked(folder_.Journal()).Identity();
+    const std::uint64_t campaign = Journal::OpenAsRead(folder_.Journal()).Identity();
     return JsonText(LiveChannelsJson(ReadLiveEnvelopes(folder_.Envelope(), campaign), Now())) + "\n";
   };
   return Ask(read, std::move(done));
@@ -73,7 +73,7 @@ std::string JournalReader::ReadCycles(const CyclesQuery& query, int cycles_compl
   if (known != answers_.end()) return known->json;
   // Opened for each reading: what has become of the folder since does not matter. Its pages are looked at as
   // they are read; all of them were when the page began.
-  const Journal journal = Journal::OpenChecked(folder_.Journal());
+  const Journal journal = Journal::OpenAsRead(folder_.Journal());
   const nlohmann::json read = CyclesJson(journal, query, ReadFrozenInputs(folder_, journal).schedule.stop);
   std::erase_if(answers_, [&](const Answer& answer) { return answer.query == query; });
   answers_.push_front({query, read["cycles_complete"], read.dump() + "\n"});

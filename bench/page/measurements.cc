@@ -104,7 +104,7 @@ json MeasurementsJson(int cycle, const CycleCurves& curves) {
 }
 
 json ReadMeasurements(const CampaignFolder& folder, int cycle) {
-  const Journal journal = Journal::OpenChecked(folder.Journal());
+  const Journal journal = Journal::OpenAsRead(folder.Journal());
   const int newest = std::max(0, journal.LastCompleteCycle());
   if (cycle < 0 || cycle > newest) {
     throw std::invalid_argument(

@@ -21,7 +21,7 @@ constexpr std::chrono::seconds kPatience{30};
 // Whether that process has begun a run; also of a journal that cannot be read at this moment.
 bool HasBegun(const CampaignFolder& folder, pid_t process) {
   try {
-    const auto text = Journal::OpenChecked(folder.Journal()).Property(kRunBegun);
+    const auto text = Journal::OpenAsRead(folder.Journal()).Property(kRunBegun);
     const auto begun = text ? ParseRunBegun(*text) : std::nullopt;
     return begun && begun->process == process;
   } catch (const std::exception&) {
@@ -36,7 +36,7 @@ std::filesystem::path LogOfJournal(const CampaignFolder& folder) {
 
 // The pace of a simulated bench is that of the run before.
 std::string PaceOf(const CampaignFolder& folder) {
-  return Journal::OpenChecked(folder.Journal()).Property(kRunPace).value_or("max");
+  return Journal::OpenAsRead(folder.Journal()).Property(kRunPace).value_or("max");
 }
 
 }  // namespace

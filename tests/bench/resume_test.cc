@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/campaign/campaign.h"
+#include "bench/campaign/sample_totals.h"
 #include "bench/errors/bench_error.h"
 #include "bench/utc.h"
 #include "daq/checkpoint_file.h"
@@ -119,6 +121,31 @@ TEST_F(CutCampaign, BeginsAnewWhereNoPhaseHadBegun) {
   ASSERT_TRUE(point.has_value());
   EXPECT_FALSE(point->checkpoint.has_value());
   EXPECT_EQ(point->time_s, 2.5);
+}
+
+TEST_F(CutCampaign, CountsSamplesFromTheTotalsThatAreKept) {
+  const auto complete = [&](int cycle, double received, double lost) {
+    if (cycle > 1) journal_.BeginCycle(cycle, 0.0);
+    journal_.AddResults(cycle, 0,
+                        {{"samples_received_front", received, 0.0, ""},
+                         {"samples_lost_front", lost, 0.0, ""},
+                         {"samples_lost_in_files_front", 1000.0, 0.0, ""}});
+    journal_.EndCycle(cycle, 1.0, "complete", "");
+  };
+  complete(0, 10.0, 1.0);
+  complete(1, 20.0, 2.0);
+  EXPECT_EQ(SamplesOf(journal_).at("front").received, 30.0);
+  KeepSampleTotals(journal_);
+  // The rows below the totals are not read any more.
+  journal_.ClearResults(0);
+  complete(2, 40.0, std::nan(""));
+  for (int kept = 0; kept < 3; ++kept) {
+    const auto counts = SamplesOf(journal_);
+    ASSERT_EQ(counts.size(), 1u);
+    EXPECT_EQ(counts.at("front").received, 70.0);
+    EXPECT_EQ(counts.at("front").lost, 3.0);
+    KeepSampleTotals(journal_);
+  }
 }
 
 // As a power cut leaves it on a disk that did not keep what it had said was safe.

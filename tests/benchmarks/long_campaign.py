@@ -9,6 +9,7 @@ SQLite, in the tables that the program has made. Both are timed in turn. --make 
 """
 import argparse
 import contextlib
+import json
 import os
 import pathlib
 import signal
@@ -62,6 +63,20 @@ def fill(journal, cycles):
                         f"(SELECT * FROM {source}) WHERE 1 {seldom} ORDER BY n")
 
 
+def keep_totals(journal):
+    """Sums of samples up to the last cycle, as bench/campaign/sample_totals.h says; nothing where none are kept."""
+    if not journal.execute("SELECT 1 FROM campaign WHERE key = 'sample_totals'").fetchone():
+        return
+    sums = journal.execute("SELECT quantity, SUM(value) FROM results WHERE quantity LIKE 'samples_%' AND repeat = 0 "
+                           "GROUP BY quantity").fetchall()
+    (last,) = journal.execute("SELECT MAX(cycle) FROM cycles").fetchone()
+    totals = {"last_cycle": last}
+    for kind in "received", "lost":
+        begin = f"samples_{kind}_"
+        totals[kind] = {name.removeprefix(begin): total for name, total in sums if name.startswith(begin)}
+    journal.execute("UPDATE campaign SET value = ? WHERE key = 'sample_totals'", (json.dumps(totals),))
+
+
 def make(program, folder, cycles):
     schedule = folder.with_suffix(".yaml")
     text = SMALL.read_text().replace("cycles: 3", f"cycles: {2 * cycles}").replace("duration: 20 min", "duration: 1 min")
@@ -76,6 +91,7 @@ def make(program, folder, cycles):
         journal.execute("PRAGMA synchronous = OFF")
         with journal:
             fill(journal, cycles)
+            keep_totals(journal)
         journal.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     seal(folder / "campaign.db")
     return schedule

@@ -9,12 +9,12 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/recompute.h"
+#include "bench/campaign/sample_totals.h"
 #include "bench/machines/field/field_machine.h"
 #include "daq/acquisition/stream_file_reader.h"
 #include "tests/checkout.h"
