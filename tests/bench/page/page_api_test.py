@@ -245,6 +245,7 @@ class ThePageOfARunningCampaign(live_page.RunningCampaign):
         status, answer = page.act("stop_now", seen["run"], seen["token"])
         self.assertEqual((status, answer["why"]), (409, "done"))
         self.assertRegex(answer["error"], r"^done already at \d{4}-\d\d-\d\dT[\d:.]+Z: pause$")
+        until(lambda: page.state()["state"] != "running")
         another = page.state()["token"]
         again = self.begin("--resume")
         until(lambda: page.state()["state"] == "running")
