@@ -84,4 +84,28 @@ CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking) {
   return result;
 }
 
+std::vector<RecordCheck> CheckRecords(const std::filesystem::path& path) {
+  const Hdf5Silence silence;
+  const std::string name = path.string();
+  const Hdf5Handle file = OpenHdf5ForReading(path);
+  std::vector<RecordCheck> checks;
+  try {
+    for (const std::string& group : ListRecordGroups(file.get())) {
+      RecordCheck check{group, {}};
+      try {
+        ReadRecordGroup(file.get(), group, name, Checking::kNone);
+      } catch (const RecordError& error) {
+        check.damage = error.findings().front().what;
+      } catch (const Hdf5Error& error) {
+        check.damage = error.what();
+      }
+      checks.push_back(std::move(check));
+    }
+  } catch (const Hdf5Error& error) {
+    throw RecordError(name, fmt::format("HDF5 cannot read the file: {}", error.what()),
+                      "the file as it was written");
+  }
+  return checks;
+}
+
 }  // namespace strainwave::daq

@@ -40,4 +40,14 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
 ///   record, a checksum that does not match, and with `Checking::kRules` what breaks the rules.
 CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking = Checking::kRules);
 
+/// One record of a file that may be damaged.
+struct RecordCheck {
+  std::string group;
+  std::string damage;  // the first finding; empty: whole
+};
+
+/// Which records of a file can be read, each byte of them against its checksum; nothing is judged.
+/// @throws RecordError if not even the list of records can be read.
+std::vector<RecordCheck> CheckRecords(const std::filesystem::path& path);
+
 }  // namespace strainwave::daq

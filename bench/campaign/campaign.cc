@@ -170,6 +170,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
     journal.SetProperty("started_utc", UtcNow());
     journal.SetProperty(kCycles, std::to_string(inputs.schedule.cycles));
     journal.SetProperty("specimen", inputs.schedule.specimen.identity);
+    AddLinks(journal.database(), ChainedRow::kProperty);
     transaction.Commit();
     journal.database().Execute("PRAGMA wal_checkpoint(TRUNCATE)");
   }

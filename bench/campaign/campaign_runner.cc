@@ -11,6 +11,7 @@
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/disk_room.h"
+#include "bench/campaign/kept_files.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sample_totals.h"
 #include "bench/campaign/sensor_stamps.h"
@@ -336,6 +337,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
     }
     for (const Calibration& calibration : stored.calibrations) journal_.SetCalibration(calibration, UtcNow());
     journal_.EndCycle(cycle_, Time_s(), "complete", records_sha256);
+    RegisterFilesOfCycle(folder_, journal_, cycle_);
     KeepSampleTotals(journal_);
     transaction.Commit();
   }

@@ -64,11 +64,30 @@ bool Statement::Step() {
   return code == SQLITE_ROW;
 }
 
+void Statement::Reset() {
+  Check(sqlite3_reset(statement_.get()));
+  next_parameter_ = 1;
+}
+
 void Statement::Run() {
   while (Step()) {
   }
-  Check(sqlite3_reset(statement_.get()));
-  next_parameter_ = 1;
+  Reset();
+}
+
+int Statement::Columns() const { return sqlite3_column_count(statement_.get()); }
+
+Statement::Type Statement::TypeOf(int column) const {
+  switch (sqlite3_column_type(statement_.get(), column)) {
+    case SQLITE_NULL:
+      return Type::kNull;
+    case SQLITE_INTEGER:
+      return Type::kInteger;
+    case SQLITE_FLOAT:
+      return Type::kReal;
+    default:
+      return Type::kText;
+  }
 }
 
 std::int64_t Statement::Integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
@@ -172,6 +191,23 @@ Transaction::~Transaction() {
 
 void Transaction::Commit() {
   database_.Execute("COMMIT");
+  open_ = false;
+}
+
+Savepoint::Savepoint(const Database& database) : database_(database) { database_.Execute("SAVEPOINT rows"); }
+
+Savepoint::~Savepoint() {
+  if (!open_) return;
+  try {
+    database_.Execute("ROLLBACK TO rows");
+    database_.Execute("RELEASE rows");
+  } catch (const DatabaseError&) {
+    // SQLite has rolled back all of it by itself; the first error is on its way.
+  }
+}
+
+void Savepoint::Release() {
+  database_.Execute("RELEASE rows");
   open_ = false;
 }
 

@@ -43,6 +43,12 @@ class Statement {
   /// Runs a statement that gives no rows, and makes it ready to be bound again.
   void Run();
 
+  /// Makes it ready to be bound again, wherever it stands.
+  void Reset();
+
+  enum class Type { kNull, kInteger, kReal, kText };  // no table has a blob
+  int Columns() const;
+  Type TypeOf(int column) const;
   std::int64_t Integer(int column) const;
   double Real(int column) const;
   std::string Text(int column) const;
@@ -100,6 +106,20 @@ class Transaction {
   Transaction& operator=(const Transaction&) = delete;
   ~Transaction();
   void Commit();
+
+ private:
+  const Database& database_;
+  bool open_{true};
+};
+
+/// The same within a transaction or without one: what it holds is rolled back unless released.
+class Savepoint {
+ public:
+  explicit Savepoint(const Database& database);
+  Savepoint(const Savepoint&) = delete;
+  Savepoint& operator=(const Savepoint&) = delete;
+  ~Savepoint();
+  void Release();
 
  private:
   const Database& database_;

@@ -8,15 +8,13 @@
 #include <fmt/core.h>
 #include <sqlite3.h>
 
+#include "bench/campaign/journal_chain.h"
 #include "bench/campaign/page_checksums.h"
 #include "bench/sha256.h"
 
 namespace strainwave::bench {
 namespace {
 
-// "SWAV": tells a campaign from any other SQLite file.
-constexpr int kApplicationId = 0x53574156;
-constexpr int kSchemaVersion = 2;
 // Before pages had checksums and cycles the digest of their file; such a campaign goes on as it was begun.
 constexpr int kVersionWithoutChecksums = 1;
 
@@ -95,11 +93,11 @@ Journal Journal::Create(const std::filesystem::path& file) {
   Database database(file, Database::Mode::kCreateChecked);
   Transaction transaction(database);
   database.Execute(fmt::format("PRAGMA application_id={}", kApplicationId));
-  database.Execute(fmt::format("PRAGMA user_version={}", kSchemaVersion));
+  database.Execute(fmt::format("PRAGMA user_version={}", kVersion));
   database.Execute(kSchema);
   transaction.Commit();
-  Journal journal(std::move(database), kSchemaVersion, 0);
-  journal.AddAlarmTables();
+  Journal journal(std::move(database), kVersion, 0);
+  journal.AddTables();
   return journal;
 }
 
@@ -107,7 +105,7 @@ Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
   if (!std::filesystem::exists(file)) {
     throw DatabaseError(file, SQLITE_CANTOPEN, "no such file (expected the journal of a campaign)");
   }
-  const auto report = CheckPages(file, kApplicationId, kSchemaVersion);
+  const auto report = CheckPages(file, kApplicationId, kVersion);
   if (report) Demand(*report, file, mode);
   return OfFile(file, mode, report ? report->unsealed : 0);
 }
@@ -124,14 +122,23 @@ Journal Journal::OfFile(const std::filesystem::path& file, Database::Mode mode,
                         "not a campaign journal (expected a database that strainwave run has made)");
   }
   const auto version = static_cast<int>(Pragma(database, "user_version"));
-  if (version != kSchemaVersion && version != kVersionWithoutChecksums) {
-    throw DatabaseError(file, SQLITE_MISMATCH,
-                        fmt::format("journal version {} (expected {} or {})", version,
-                                    kVersionWithoutChecksums, kSchemaVersion));
+  if (version != kVersion && version != kVersionWithoutChecksums) {
+    throw DatabaseError(
+        file, SQLITE_MISMATCH,
+        fmt::format("journal version {} (expected {} or {})", version, kVersionWithoutChecksums, kVersion));
   }
   Journal journal(std::move(database), version, unsealed_pages);
-  if (mode != Database::Mode::kReadOnly) journal.AddAlarmTables();
+  if (mode != Database::Mode::kReadOnly) journal.AddTables();
   return journal;
+}
+
+void Journal::AddTables() {
+  AddAlarmTables();
+  if (version_ == kVersionWithoutChecksums || HasChain(database_)) return;
+  Transaction transaction(database_);
+  // Another program may have been quicker.
+  if (!HasChain(database_)) BeginChain(database_);
+  transaction.Commit();
 }
 
 std::string Journal::Unchecked() const {
@@ -185,16 +192,20 @@ void Journal::BeginCycle(int cycle, double time_s) {
 }
 
 void Journal::EndCycle(int cycle, double time_s, std::string_view outcome, std::string_view records_sha256) {
+  Savepoint all(database_);
   database_.Prepare("UPDATE cycles SET outcome = ?, ended_s = ? WHERE cycle = ?")
       .Bind(outcome)
       .Bind(time_s)
       .Bind(cycle)
       .Run();
-  if (version_ == kVersionWithoutChecksums) return;
-  database_.Prepare("UPDATE cycles SET records_sha256 = ? WHERE cycle = ?")
-      .Bind(records_sha256)
-      .Bind(cycle)
-      .Run();
+  if (version_ != kVersionWithoutChecksums) {
+    database_.Prepare("UPDATE cycles SET records_sha256 = ? WHERE cycle = ?")
+        .Bind(records_sha256)
+        .Bind(cycle)
+        .Run();
+    if (outcome == "complete") AddLink(database_, ChainedRow::kCycle, std::to_string(cycle));
+  }
+  all.Release();
 }
 
 std::string Journal::RecordsSha256(int cycle) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include "bench/alarms/alarm_list.h"
 #include "bench/campaign/database.h"
+#include "bench/campaign/journal_chain.h"
 
 namespace strainwave::bench {
 
@@ -100,6 +102,12 @@ struct OperatorNote {
   std::string text;
 };
 
+/// What a file was when it was registered.
+struct FileDigest {
+  std::uint64_t bytes{};
+  std::string sha256;
+};
+
 /// Time in which the bench was not under the program's eye (docs/requirements.md R11).
 struct Hole {
   int cycle{};
@@ -123,6 +131,10 @@ enum class PagesChecked { kAll, kAsRead };
 /// Every page carries a checksum (`page_checksums.h`) but in journals of earlier versions of this program.
 class Journal {
  public:
+  /// "SWAV": tells a campaign from any other SQLite file.
+  static constexpr int kApplicationId = 0x53574156;
+  static constexpr int kVersion = 2;
+
   /// A new journal. @throws DatabaseError.
   static Journal Create(const std::filesystem::path& file);
   /// Looks at every page of the file first, by a descriptor of its own: not in a process that has the journal
@@ -204,6 +216,10 @@ class Journal {
   std::vector<ChannelTrouble> ChannelTroubles() const;
   void AddHole(const Hole& hole);
   std::vector<Hole> Holes() const;
+  /// Registers a file beside the cycles' own: a picture, a raw stream, what is kept of a fault.
+  /// @param path  from the campaign's folder on, with slashes. Registered anew, the last one counts.
+  void AddFile(std::string_view path, std::uint64_t bytes, std::string_view sha256);
+  std::map<std::string, FileDigest> Files() const;
   void SetCalibration(const Calibration& calibration, std::string_view utc);
   std::optional<Calibration> FindCalibration(std::string_view name) const;
   /// All whose name begins so, by name.
@@ -212,8 +228,12 @@ class Journal {
  private:
   Journal(Database database, int version, std::uint32_t unsealed_pages);
   bool HasAlarms() const;
-  /// For journals of earlier versions; what is open in them becomes instances.
+  /// Those that journals of earlier versions lack: alarms, where what is open becomes instances, and the
+  /// chain (`journal_chain.h`).
+  void AddTables();
   void AddAlarmTables();
+  /// Both or none: a new row, and its link in the chain. @return the row's number.
+  std::int64_t AddChained(ChainedRow kind, Statement& insert);
   std::vector<AlarmInstance> AlarmsOfEvents() const;
   static Journal OfFile(const std::filesystem::path& file, Database::Mode mode, std::uint32_t unsealed_pages);
 

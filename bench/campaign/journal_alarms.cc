@@ -159,13 +159,14 @@ void Journal::StoreAlarm(AlarmInstance& instance) {
 }
 
 void Journal::AddAlarmAction(const AlarmAction& action) {
-  database_.Prepare("INSERT INTO alarm_actions(number, utc, author, action, text) VALUES(?, ?, ?, ?, ?)")
-      .Bind(action.number)
-      .Bind(std::string_view(action.utc))
-      .Bind(std::string_view(action.by))
-      .Bind(std::string_view(action.action))
-      .Bind(std::string_view(action.text))
-      .Run();
+  AddChained(
+      ChainedRow::kAlarmAction,
+      database_.Prepare("INSERT INTO alarm_actions(number, utc, author, action, text) VALUES(?, ?, ?, ?, ?)")
+          .Bind(action.number)
+          .Bind(std::string_view(action.utc))
+          .Bind(std::string_view(action.by))
+          .Bind(std::string_view(action.action))
+          .Bind(std::string_view(action.text)));
 }
 
 std::vector<AlarmAction> Journal::AlarmActions() const {
@@ -181,11 +182,11 @@ std::vector<AlarmAction> Journal::AlarmActions() const {
 }
 
 void Journal::AddOperatorNote(const OperatorNote& note) {
-  database_.Prepare("INSERT INTO operator_notes(utc, author, text) VALUES(?, ?, ?)")
-      .Bind(std::string_view(note.utc))
-      .Bind(std::string_view(note.author))
-      .Bind(std::string_view(note.text))
-      .Run();
+  AddChained(ChainedRow::kNote,
+             database_.Prepare("INSERT INTO operator_notes(utc, author, text) VALUES(?, ?, ?)")
+                 .Bind(std::string_view(note.utc))
+                 .Bind(std::string_view(note.author))
+                 .Bind(std::string_view(note.text)));
 }
 
 std::vector<OperatorNote> Journal::OperatorNotes(int newest) const {

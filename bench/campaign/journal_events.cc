@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of the journal: events, channels in trouble, holes and calibrations.
+// Of the journal: events, channels in trouble, holes, calibrations and files; rows with their link in the
+// chain.
 #include <algorithm>
 
 #include <fmt/core.h>
@@ -24,19 +25,45 @@ std::vector<Event> EventsOf(Statement& statement) {
 
 }  // namespace
 
+std::int64_t Journal::AddChained(ChainedRow kind, Statement& insert) {
+  Savepoint both(database_);
+  insert.Run();
+  const std::int64_t number = database_.LastInsertId();
+  if (HasChain(database_)) AddLink(database_, kind, std::to_string(number));
+  both.Release();
+  return number;
+}
+
+void Journal::AddFile(std::string_view path, std::uint64_t bytes, std::string_view sha256) {
+  if (!HasChain(database_)) return;
+  AddChained(ChainedRow::kFile, database_.Prepare("INSERT INTO files(path, bytes, sha256) VALUES(?, ?, ?)")
+                                    .Bind(path)
+                                    .Bind(static_cast<std::int64_t>(bytes))
+                                    .Bind(sha256));
+}
+
+std::map<std::string, FileDigest> Journal::Files() const {
+  std::map<std::string, FileDigest> files;
+  if (!HasChain(database_)) return files;
+  Statement statement = database_.Prepare("SELECT path, bytes, sha256 FROM files ORDER BY id");
+  while (statement.Step()) {
+    files[statement.Text(0)] = {static_cast<std::uint64_t>(statement.Integer(1)), statement.Text(2)};
+  }
+  return files;
+}
+
 void Journal::AddEvent(const Event& event) {
-  database_
-      .Prepare(
-          "INSERT INTO events(time_s, utc, cycle, phase, severity, code, text) VALUES(?, ?, ?, ?, ?, ?, ?)")
-      .Bind(event.time_s)
-      .Bind(event.utc)
-      .Bind(event.cycle)
-      .Bind(event.phase)
-      .Bind(event.severity)
-      .Bind(event.code)
-      .Bind(event.text)
-      .Run();
-  end_.event = database_.LastInsertId();
+  end_.event =
+      AddChained(ChainedRow::kEvent, database_
+                                         .Prepare("INSERT INTO events(time_s, utc, cycle, phase, severity, "
+                                                  "code, text) VALUES(?, ?, ?, ?, ?, ?, ?)")
+                                         .Bind(event.time_s)
+                                         .Bind(event.utc)
+                                         .Bind(event.cycle)
+                                         .Bind(event.phase)
+                                         .Bind(event.severity)
+                                         .Bind(event.code)
+                                         .Bind(event.text));
 }
 
 std::vector<Event> Journal::Events(int newest) const {
@@ -98,18 +125,17 @@ std::vector<ChannelTrouble> Journal::ChannelTroubles() const {
 }
 
 void Journal::AddHole(const Hole& hole) {
-  database_
-      .Prepare(
-          "INSERT INTO holes(cycle, phase, time_s, start_utc, end_utc, cause, clock) VALUES(?, ?, ?, ?, ?, "
-          "?, ?)")
-      .Bind(hole.cycle)
-      .Bind(hole.phase)
-      .Bind(hole.time_s)
-      .Bind(hole.start_utc)
-      .Bind(hole.end_utc)
-      .Bind(hole.cause)
-      .Bind(hole.clock)
-      .Run();
+  AddChained(ChainedRow::kHole, database_
+                                    .Prepare("INSERT INTO holes(cycle, phase, time_s, start_utc, end_utc, "
+                                             "cause, clock) VALUES(?, ?, ?, ?, ?, "
+                                             "?, ?)")
+                                    .Bind(hole.cycle)
+                                    .Bind(hole.phase)
+                                    .Bind(hole.time_s)
+                                    .Bind(hole.start_utc)
+                                    .Bind(hole.end_utc)
+                                    .Bind(hole.cause)
+                                    .Bind(hole.clock));
 }
 
 std::vector<Hole> Journal::Holes() const {

@@ -112,6 +112,7 @@ std::optional<PageReport> CheckPages(const std::filesystem::path& file, std::uin
       const std::uint32_t number = ++report.pages;
       const auto state = StateOf(std::span(buffer).subspan(i).first<kPage_bytes>(), number);
       if (state == PageState::kDamaged && report.first_damaged == 0) report.first_damaged = number;
+      if (state == PageState::kDamaged) ++report.damaged;
       if (state == PageState::kUnsealed) ++report.unsealed;
       if (state == PageState::kNeverWritten) ++never_written;
     }

@@ -36,6 +36,7 @@ bool HasPageChecksums(std::span<const std::byte> header);
 struct PageReport {
   std::uint32_t pages{};
   std::uint32_t first_damaged{};  // 0: none
+  std::uint32_t damaged{};        // all of them
   std::uint32_t unsealed{};
   bool cut{};  // shorter than it says itself
 };

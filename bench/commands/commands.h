@@ -34,6 +34,7 @@ void AddExport(CLI::App& app, Action& action);
 void AddMonitor(CLI::App& app, Action& action);
 void AddConvert(CLI::App& app, Action& action);
 void AddTable(CLI::App& app, Action& action);
+void AddVerify(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
 void AddHealth(CLI::App& app, Action& action);

@@ -13,6 +13,7 @@
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/disk_room.h"
+#include "bench/campaign/kept_files.h"
 #include "bench/campaign/run_begun.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
@@ -195,6 +196,7 @@ int Run(const RunOptions& options) {
              options.out);
   }
   PrintCampaign(folder, journal, options.json);
+  RegisterFiles(folder, journal);
   for (const ChannelTrouble& bad : journal.ChannelTroubles()) {
     ToStderr("BAD CHANNEL {} at the end, since {}: {}\n", bad.channel, bad.since_utc, bad.reason);
   }

@@ -90,6 +90,12 @@ class Killed(Campaign):
         return code or again, shown, "\n".join(complaints) + error
 
 
+def short_schedule(folder):
+    schedule = folder / "short.yaml"
+    schedule.write_text(SMALL.read_text().replace("cycles: 3", "cycles: 2").replace("duration: 20 min", "duration: 1 min"))
+    return schedule
+
+
 def flip(path, bit):
     with open(path, "r+b") as file:
         file.seek(bit // 8)
@@ -131,9 +137,7 @@ def main():
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        schedule = scratch / "short.yaml"
-        text = SMALL.read_text().replace("cycles: 3", "cycles: 2").replace("duration: 20 min", "duration: 1 min")
-        schedule.write_text(text)
+        schedule = short_schedule(scratch)
         campaigns = [Complete(options.program, scratch / "complete", schedule),
                      Killed(options.program, scratch / "killed", schedule)]
         references = [[look() for look in campaign.looks()] for campaign in campaigns]

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "bench/campaign/journal.h"
+#include "bench/integrity/campaign_integrity.h"
+
+namespace strainwave::bench {
+
+/// The cycle that a file of a campaign is of, by its name: 12 of "cycles/000012.h5", "streams/000012-…".
+std::optional<int> CycleNamed(std::string_view path);
+
+/// Reads a file of a campaign and says what state it is in.
+/// @param digest  as it was registered; without one its own checksums alone are looked at.
+/// @param file    with path and bytes; state, reason and records are filled in.
+void CheckFile(const CampaignFolder& folder, const std::optional<FileDigest>& digest, FileIntegrity& file);
+
+}  // namespace strainwave::bench
