@@ -24,6 +24,12 @@ std::string PathOf(const std::string& group) { return group.starts_with('/') ? g
 
 }  // namespace
 
+Attributes WithFormat(const Attributes& attributes) {
+  Attributes with_format{{kFormatName, kFormatVersion}};
+  with_format.insert(with_format.end(), attributes.begin(), attributes.end());
+  return with_format;
+}
+
 void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const NamedRecord> records,
                             const Attributes& attributes) {
   if (records.empty()) throw std::invalid_argument(fmt::format("no record to write to '{}'", path.string()));
@@ -38,9 +44,7 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
   std::vector<std::byte> image;
   try {
     const Hdf5Handle file = CreateHdf5InMemory();
-    Attributes with_format{{kFormatName, kFormatVersion}};
-    with_format.insert(with_format.end(), attributes.begin(), attributes.end());
-    WriteFileAttributes(file.get(), with_format);
+    WriteFileAttributes(file.get(), WithFormat(attributes));
     for (const NamedRecord& named : records) WriteRecordGroup(file.get(), PathOf(named.group), named.record);
     image = ImageOfHdf5(file.get());
   } catch (const Hdf5Error& error) {
@@ -82,30 +86,6 @@ CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking) {
   }
   if (!findings.empty()) throw RecordError(std::move(findings));
   return result;
-}
-
-std::vector<RecordCheck> CheckRecords(const std::filesystem::path& path) {
-  const Hdf5Silence silence;
-  const std::string name = path.string();
-  const Hdf5Handle file = OpenHdf5ForReading(path);
-  std::vector<RecordCheck> checks;
-  try {
-    for (const std::string& group : ListRecordGroups(file.get())) {
-      RecordCheck check{group, {}};
-      try {
-        ReadRecordGroup(file.get(), group, name, Checking::kNone);
-      } catch (const RecordError& error) {
-        check.damage = error.findings().front().what;
-      } catch (const Hdf5Error& error) {
-        check.damage = error.what();
-      }
-      checks.push_back(std::move(check));
-    }
-  } catch (const Hdf5Error& error) {
-    throw RecordError(name, fmt::format("HDF5 cannot read the file: {}", error.what()),
-                      "the file as it was written");
-  }
-  return checks;
 }
 
 }  // namespace strainwave::daq

@@ -28,6 +28,9 @@ struct CycleFile {
   std::vector<NamedRecord> records;  // in the order written; `group` with its leading slash
 };
 
+/// With the version of the format before them, as every file of records says it.
+Attributes WithFormat(const Attributes& attributes);
+
 /// Writes the records as one file that appears whole or not at all, also after a power cut. Values are not
 /// judged, so that whatever was measured can be stored. The same arguments give the same bytes.
 /// @throws std::invalid_argument if there is no record, two have one group, or one cannot be written (see
@@ -39,15 +42,5 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
 /// @throws RecordError with the findings of all records: a missing or cut file, a foreign one without a
 ///   record, a checksum that does not match, and with `Checking::kRules` what breaks the rules.
 CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking = Checking::kRules);
-
-/// One record of a file that may be damaged.
-struct RecordCheck {
-  std::string group;
-  std::string damage;  // the first finding; empty: whole
-};
-
-/// Which records of a file can be read, each byte of them against its checksum; nothing is judged.
-/// @throws RecordError if not even the list of records can be read.
-std::vector<RecordCheck> CheckRecords(const std::filesystem::path& path);
 
 }  // namespace strainwave::daq

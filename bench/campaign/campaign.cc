@@ -14,6 +14,8 @@
 #include "bench/configuration/read_bench_file.h"
 #include "bench/errors/bench_error.h"
 #include "bench/utc.h"
+#include "daq/cycle_file.h"
+#include "daq/record_pipe.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -210,6 +212,22 @@ std::string ExtendCampaign(const CampaignFolder& folder, const CampaignInputs& g
   return words;
 }
 
+namespace {
+
+// Records that a run reads when its shafts can move already: a damaged file, of which the HDF5 library may
+// crash, is found here.
+void DemandReadable(const std::filesystem::path& unfinished) {
+  for (const auto& entry : std::filesystem::directory_iterator(unfinished)) {
+    if (entry.path().extension() != ".h5") continue;
+    daq::ReadInOwnProcess(entry.path(), daq::LimitsForFile(entry.path()), [&] {
+      daq::ReadCycleFile(entry.path(), daq::Checking::kNone);
+      return std::vector<daq::Record>();
+    });
+  }
+}
+
+}  // namespace
+
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
                                          Journal& journal, bool accept_pause) {
   const CampaignInputs frozen = ReadFrozenInputs(folder, journal);
@@ -248,6 +266,7 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
                        *pause_s / 3600.0),
            "--accept-pause, to go on all the same and have it noted");
   }
+  DemandReadable(folder.Unfinished());
   const int cycle = journal.LastCompleteCycle() + 1;
   Transaction transaction(journal.database());
   std::string cut_phase;

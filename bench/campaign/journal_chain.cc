@@ -150,6 +150,10 @@ void BeginChain(const Database& database) {
   database.Execute(
       "CREATE TABLE chain(number INTEGER PRIMARY KEY, kind TEXT NOT NULL, key TEXT NOT NULL, sha256 TEXT NOT "
       "NULL)");
+  AddAllLinks(database);
+}
+
+void AddAllLinks(const Database& database) {
   for (std::size_t i = 0; i < kKinds.size(); ++i) AddLinks(database, static_cast<ChainedRow>(i));
 }
 
@@ -170,17 +174,18 @@ void AddLink(const Database& database, ChainedRow row, std::string_view key) {
       .Run();
 }
 
-ChainReport CheckChain(const Database& database) {
+ChainReport CheckChain(const Database& database) { return CheckChain(database, database, kBrokenShown); }
+
+ChainReport CheckChain(const Database& chain, const Database& database, std::size_t most) {
   ChainReport report;
   report.head = kLinkBeforeTheFirst;
   std::map<std::string, RowsOfKind> rows;
   for (const ChainedKind& kind : kKinds) rows.try_emplace(kind.name, database, kind);
   const auto take_broken = [&](std::int64_t number, std::string what, std::string why) {
     ++report.broken_links;
-    if (report.broken.size() < kBrokenShown)
-      report.broken.push_back({number, std::move(what), std::move(why)});
+    if (report.broken.size() < most) report.broken.push_back({number, std::move(what), std::move(why)});
   };
-  Statement links = database.Prepare("SELECT number, kind, key, sha256 FROM chain ORDER BY number");
+  Statement links = chain.Prepare("SELECT number, kind, key, sha256 FROM chain ORDER BY number");
   while (links.Step()) {
     const std::int64_t number = links.Integer(0);
     const std::string kind = links.Text(1);
@@ -203,7 +208,7 @@ ChainReport CheckChain(const Database& database) {
     report.head = sha256;
   }
   for (const ChainedKind& kind : kKinds) {
-    const auto without = static_cast<std::int64_t>(KeysOf(database, kind).size()) - LinksOf(database, kind);
+    const auto without = static_cast<std::int64_t>(KeysOf(database, kind).size()) - LinksOf(chain, kind);
     if (without > 0) report.unchained[kind.name] = without;
   }
   return report;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -39,8 +40,9 @@ bool HasChain(const Database& database);
 /// @throws DatabaseError.
 void AddLink(const Database& database, ChainedRow kind, std::string_view key);
 
-/// The same for all rows of a kind that are there. @throws DatabaseError.
+/// The same for all rows of a kind that are there, or of all kinds. @throws DatabaseError.
 void AddLinks(const Database& database, ChainedRow kind);
+void AddAllLinks(const Database& database);
 
 struct BrokenLink {
   std::int64_t number{};
@@ -59,5 +61,8 @@ struct ChainReport {
 
 /// Computes every link again. @throws DatabaseError.
 ChainReport CheckChain(const Database& database);
+/// The same of rows that were copied from the journal that has the chain; of each row by itself, wherever the
+/// link before it can be read. @param most  links that are listed.
+ChainReport CheckChain(const Database& chain, const Database& rows, std::size_t most);
 
 }  // namespace strainwave::bench

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign.h"
+#include "bench/campaign/salvage_note.h"
 #include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
@@ -67,6 +68,9 @@ std::vector<std::string> WarningsAbout(const CampaignFolder& folder, const Journ
   std::vector<std::string> warnings;
   if (const std::string unchecked = journal.Unchecked(); !unchecked.empty()) {
     warnings.push_back(fmt::format("{}: warning: {}", folder.Journal().string(), unchecked));
+  }
+  if (const auto salvaged = SalvageNoteOf(journal)) {
+    warnings.push_back(fmt::format("{}: warning: {}", folder.root.string(), Words(*salvaged)));
   }
   const auto checkpoint = ReadCheckpoint(folder.Checkpoint());
   if (checkpoint && checkpoint->damaged_states > 0) {

@@ -11,6 +11,7 @@
 #include "bench/campaign/blank_results.h"
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/on_all_processors.h"
+#include "bench/campaign/salvage_note.h"
 #include "bench/errors/bench_error.h"
 #include "bench/sha256.h"
 #include "daq/cycle_file.h"
@@ -103,7 +104,9 @@ std::vector<RecomputedCycle> RecomputeCampaign(
     const std::function<void(std::size_t, std::size_t)>& progress) {
   const CycleContext context = WithRecalibratedBlank(folder, journal, stored_context);
   std::vector<RecomputedCycle> cycles;
+  const bool salvaged = SalvageNoteOf(journal).has_value();
   for (const CycleRow& row : journal.Cycles()) {
+    if (salvaged && !std::filesystem::exists(folder.CycleFile(row.cycle))) continue;
     // A campaign that prepares nothing has an empty cycle 0.
     if (row.outcome != "complete" || journal.Phases(row.cycle).empty()) continue;
     RecomputedCycle cycle{row.cycle, row.ended_s, {}, {journal.Results(row.cycle, 0)}, false};

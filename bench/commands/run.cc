@@ -14,6 +14,7 @@
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/disk_room.h"
 #include "bench/campaign/kept_files.h"
+#include "bench/campaign/salvage_note.h"
 #include "bench/campaign/run_begun.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
@@ -142,6 +143,10 @@ int Run(const RunOptions& options) {
   HeldFolder held(folder);
   std::optional<ResumePoint> resume;
   if (options.resume) {
+    if (SalvageNoteOf(journal)) {
+      Refuse(folder.root, "was salvaged from another campaign, and is for analysis",
+             "the folder in which the campaign ran");
+    }
     for (const std::string& warning : WarningsAbout(folder, journal)) ToStderr("{}\n", warning);
     if (options.extend) ToStderr("{}\n", ExtendCampaign(folder, inputs, journal));
     resume = PrepareResume(folder, inputs, journal, options.accept_pause);

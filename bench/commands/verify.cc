@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
+#include <optional>
 #include <string>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,7 @@
 #include "bench/errors/bench_error.h"
 #include "bench/escaped.h"
 #include "bench/integrity/campaign_integrity.h"
+#include "bench/integrity/salvage.h"
 
 namespace strainwave::bench {
 namespace {
@@ -22,6 +24,7 @@ constexpr std::size_t kFilesShown = 20;
 
 struct VerifyOptions {
   std::string folder;
+  std::string salvage;  // folder; empty: nothing is written
   bool json{};
 };
 
@@ -114,6 +117,7 @@ void Print(const CampaignFolder& folder, const CampaignIntegrity& integrity) {
            integrity.process > 0 ? fmt::format(" so far; running in process {}", integrity.process) : "");
   ToStdout("  read         {}, {} complete cycles\n", BytesText(static_cast<double>(integrity.bytes)),
            integrity.cycles);
+  if (integrity.salvaged) ToStdout("  {}\n", Words(*integrity.salvaged));
   PrintJournal(integrity.journal);
   ToStdout("  files        {} whole, {} damaged, {} missing, {} unregistered\n",
            integrity.Count(FileState::kWhole), integrity.Count(FileState::kDamaged),
@@ -138,14 +142,50 @@ ExitCode CodeOf(Verdict verdict) {
   return ExitCode::kWrongInput;
 }
 
+nlohmann::json SalvageJson(const std::string& out, const SalvageNote& note) {
+  nlohmann::json json = nlohmann::json::parse(JsonText(note));
+  json["out"] = out;
+  return json;
+}
+
+void PrintSalvage(const std::string& out, const SalvageNote& note) {
+  ToStdout("salvaged to {}\n  files        {} recovered, {} lost\n", out, note.files_recovered,
+           note.files_lost.size());
+  for (const std::string& file : note.files_lost) ToStdout("    lost: {}\n", file);
+  ToStdout("  records      {} recovered of damaged files, {} lost\n", note.records_recovered,
+           note.records_lost.size());
+  for (const std::string& record : note.records_lost) ToStdout("    lost: {}\n", record);
+  for (const auto& [table, recovered] : note.rows_recovered) {
+    const auto lost = note.rows_lost.find(table);
+    ToStdout("  rows         {:15} {} recovered, {} lost\n", table, recovered,
+             lost == note.rows_lost.end() ? 0 : lost->second);
+  }
+  if (!note.cycles_incomplete.empty()) {
+    ToStdout("  incomplete   cycles {}\n", fmt::join(note.cycles_incomplete, ", "));
+  }
+  ToStdout("it opens with status, recompute, table, diagnose and train\n");
+}
+
 int Verify(const VerifyOptions& options) {
   const CampaignFolder folder{options.folder};
+  if (!options.salvage.empty()) DemandPlaceToSalvage(folder, options.salvage);
   ShareLine line;
   const CampaignIntegrity integrity = VerifyCampaign(folder, [&](std::uint64_t done, std::uint64_t all) {
     line.Show("reading", all == 0 ? 1.0 : static_cast<double>(done) / static_cast<double>(all));
   });
   line.Clear();
-  options.json ? ToStdout("{}\n", DocumentOf(Json(folder, integrity))) : Print(folder, integrity);
+  std::optional<SalvageNote> salvaged;
+  if (!options.salvage.empty() && integrity.verdict() != Verdict::kNothing) {
+    salvaged = Salvage(folder, integrity, options.salvage);
+  }
+  if (options.json) {
+    nlohmann::json document = Json(folder, integrity);
+    if (salvaged) document["salvage"] = SalvageJson(options.salvage, *salvaged);
+    ToStdout("{}\n", DocumentOf(document));
+  } else {
+    Print(folder, integrity);
+    if (salvaged) PrintSalvage(options.salvage, *salvaged);
+  }
   return static_cast<int>(CodeOf(integrity.verdict()));
 }
 
@@ -160,9 +200,15 @@ void AddVerify(CLI::App& app, Action& action) {
       "and "
       "every file against the digest that it was stored with. Exit code 0: whole; 1: something is damaged or "
       "missing; 2: nothing can be read, or it is no campaign.\n"
-      "Example: strainwave verify campaigns/first");
+      "Example: strainwave verify campaigns/first\n"
+      "         strainwave verify campaigns/first --salvage campaigns/first_saved");
   auto options = std::make_shared<VerifyOptions>();
   command->add_option("DIR", options->folder, "the campaign's folder")->required();
+  command->add_option(
+      "--salvage", options->salvage,
+      "a new or empty folder: what is whole is written there as a campaign for analysis, and what is "
+      "lost is counted; a damaged file of records gives those that are whole, a damaged journal the "
+      "rows that can be read. DIR is left as it is");
   command->add_flag("--json", options->json, "JSON on standard output, with every file");
   command->callback([options, &action] { action = [options] { return Verify(*options); }; });
 }

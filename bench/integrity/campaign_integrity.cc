@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 // What the journal says of files, as far as it can be read.
 struct Expected {
   std::map<std::string, FileDigest> files;
-  std::map<std::string, int> cycle_of;  // of files of complete cycles
   int complete{};
+  std::optional<SalvageNote> salvaged;
 };
 
 std::string PathIn(const CampaignFolder& folder, const fs::path& file) {
@@ -47,7 +47,10 @@ Expected ExpectedFiles(const CampaignFolder& folder, const Journal& journal) {
     // Without a digest: a preparation without records, or a journal of an earlier version.
     if (sha256.empty() && (row.cycle == 0 || fs::exists(folder.root / file))) continue;
     expected.files[file] = {0, sha256};
-    expected.cycle_of[file] = row.cycle;
+  }
+  // Of a campaign that was salvaged, what was lost then is known.
+  if (expected.salvaged = SalvageNoteOf(journal); expected.salvaged) {
+    for (const std::string& lost : expected.salvaged->files_lost) expected.files.erase(lost);
   }
   return expected;
 }
@@ -136,6 +139,7 @@ CampaignIntegrity VerifyCampaign(const CampaignFolder& folder, const BytesRead& 
   integrity.journal = CheckJournal(folder);
   const Expected expected = ReadExpected(folder, integrity.journal);
   integrity.cycles = expected.complete;
+  integrity.salvaged = expected.salvaged;
   integrity.files = FilesOf(folder, expected);
   std::uint64_t all = 0;
   for (const FileIntegrity& file : integrity.files) all += file.bytes;

@@ -9,8 +9,9 @@
 
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal_chain.h"
+#include "bench/campaign/salvage_note.h"
 #include "bench/integrity/write_ahead_log.h"
-#include "daq/cycle_file.h"
+#include "daq/record_checks.h"
 
 namespace strainwave::bench {
 
@@ -51,10 +52,11 @@ std::string_view Name(Verdict verdict);
 
 struct CampaignIntegrity {
   JournalIntegrity journal;
-  std::vector<FileIntegrity> files;  // by path; all but the journal's and those of a running program
-  int cycles{};                      // complete, as far as the journal can be read
-  std::uint64_t bytes{};             // that were read
-  int process{};                     // that runs the campaign; 0: nobody does
+  std::vector<FileIntegrity> files;     // by path; all but the journal's and those of a running program
+  int cycles{};                         // complete, as far as the journal can be read
+  std::uint64_t bytes{};                // that were read
+  std::optional<SalvageNote> salvaged;  // what was lost when it was salvaged is not missing
+  int process{};                        // that runs the campaign; 0: nobody does
 
   std::size_t Count(FileState state) const;
   Verdict verdict() const;

@@ -13,6 +13,7 @@
 #include "daq/checkpoint_file.h"
 #include "daq/data_file_error.h"
 #include "daq/growing_file.h"
+#include "daq/record_checks.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
