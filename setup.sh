@@ -32,7 +32,7 @@ BUILD_PACKAGES=(
 )
 # What takes pictures, a package of its own: 115 packages of Debian more. `build` makes it where they are.
 CAMERA_PACKAGES=(libopencv-videoio-dev libopencv-imgcodecs-dev)
-PACKAGE_PACKAGES=(dpkg-dev file "${CAMERA_PACKAGES[@]}")
+PACKAGE_PACKAGES=(dpkg-dev file python3 binutils "${CAMERA_PACKAGES[@]}")
 TEST_PACKAGES=(
   "${PACKAGE_PACKAGES[@]}" git
   libgtest-dev libbenchmark-dev mosquitto openssl
@@ -278,6 +278,7 @@ case $1 in
   package)
     install_missing "${BUILD_PACKAGES[@]}" "${PACKAGE_PACKAGES[@]}"
     build "${PROGRAMS[@]}"
+    /usr/bin/python3 packaging/sbom.py build --out build/packaging/strainwave.cdx.json || fail "of what is linked not all may be"
     rm -rf build/packages
     (cd build && cpack >cpack.txt 2>&1) || fail "cpack failed, see build/cpack.txt"
     rm -rf build/packages/_CPack_Packages
