@@ -251,6 +251,7 @@ check() {
   step "blind set" check_blind
   step "records as loggers leave them" tests/loggers/run --seed 1 --jobs "$(nproc)"
   step "clang-tidy" check_tidy
+  step "branches of the safety layer" tests/safety_coverage.sh
   step "asan" check_sanitized asan
   step "tsan" check_sanitized tsan
   if ((${#failed_steps[@]} > 0)); then
@@ -302,7 +303,7 @@ case $1 in
     run_tests release
     ;;
   check)
-    install_missing "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}" clang-format-14 clang-tidy-14
+    install_missing "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}" clang-format-14 clang-tidy-14 clang-14 llvm-14 libclang-rt-14-dev
     install_node_packages
     check
     ;;

@@ -19,6 +19,7 @@
 #include "bench/configuration/sensors_of.h"
 #include "bench/controller/interlocks.h"
 #include "bench/errors/bench_error.h"
+#include "bench/trip_test/trip_row.h"
 #include "schedules/reader/plan.h"
 
 namespace strainwave::bench {
@@ -58,20 +59,44 @@ void PrintPhases(const char* title, const std::vector<schedules::PhaseTime>& pha
   }
 }
 
-void PrintInterlocks(const std::vector<InterlockRow>& interlocks) {
-  ToStdout("interlocks, watched every control period in every phase\n");
-  for (const auto& row : interlocks) {
-    if (row.unwatched.empty()) ToStdout("  {:22} {:28} {}\n", row.signal, row.limit, row.action);
+// A row of the table with what this schedule and this bench make of it.
+struct Interlock : InterlockRow {
+  double noticed_within_s{};
+  bool latches{};
+};
+
+std::vector<Interlock> InterlocksOf(const CampaignInputs& inputs) {
+  const std::vector<TripRow> trips = TripRows(TripSettingsOf(inputs.schedule), inputs.bench);
+  std::vector<Interlock> interlocks;
+  for (const InterlockRow& row : Interlocks::Table(SensorsOf(inputs.bench))) {
+    Interlock interlock{row};
+    for (const TripRow& trip : trips) {
+      if (std::ranges::find(row.causes, trip.cause) == row.causes.end()) continue;
+      interlock.noticed_within_s = std::max(interlock.noticed_within_s, trip.noticed_within_s);
+      interlock.latches = interlock.latches || trip.latches;
+    }
+    interlocks.push_back(interlock);
   }
-  if (std::ranges::all_of(interlocks, &std::string_view::empty, &InterlockRow::unwatched)) return;
+  return interlocks;
+}
+
+void PrintInterlocks(const std::vector<Interlock>& interlocks) {
+  ToStdout("interlocks, watched every control period in every phase\n  {:27} {:39} {:>13}  {:7}  {}\n",
+           "signal", "limit", "noticed after", "latch", "action");
+  for (const auto& row : interlocks) {
+    if (row.unwatched.empty())
+      ToStdout("  {:27} {:39} {:>11.2f} s  {:7}  {}\n", row.signal, row.limit, row.noticed_within_s,
+               row.latches ? "latches" : "no", row.action);
+  }
+  if (std::ranges::all_of(interlocks, &std::string_view::empty, &Interlock::unwatched)) return;
   ToStdout("not watched on this bench\n");
   for (const auto& row : interlocks) {
-    if (!row.unwatched.empty()) ToStdout("  {:22} {:28} {}\n", row.signal, row.limit, row.unwatched);
+    if (!row.unwatched.empty()) ToStdout("  {:27} {:39} {}\n", row.signal, row.limit, row.unwatched);
   }
 }
 
 void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life,
-               const std::vector<InterlockRow>& interlocks) {
+               const std::vector<Interlock>& interlocks) {
   ToStdout("{}: {} cycles on {} ({})\n\n", schedule.name, schedule.cycles, schedule.specimen.identity,
            schedule.specimen.model);
   PrintPhases("once, before the first cycle", plan.preparation);
@@ -119,12 +144,14 @@ nlohmann::json PhasesJson(const std::vector<schedules::PhaseTime>& phases) {
   return rows;
 }
 
-nlohmann::json InterlocksJson(const std::vector<InterlockRow>& interlocks) {
+nlohmann::json InterlocksJson(const std::vector<Interlock>& interlocks) {
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& row : interlocks) {
     rows.push_back({{"signal", row.signal},
                     {"limit", row.limit},
                     {"action", row.action},
+                    {"noticed_within_s", row.noticed_within_s},
+                    {"latches", row.latches},
                     {"watched", row.unwatched.empty()}});
     if (!row.unwatched.empty()) rows.back()["why_not"] = row.unwatched;
   }
@@ -132,7 +159,7 @@ nlohmann::json InterlocksJson(const std::vector<InterlockRow>& interlocks) {
 }
 
 void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life,
-               const std::vector<InterlockRow>& interlocks) {
+               const std::vector<Interlock>& interlocks) {
   nlohmann::json streams = nlohmann::json::array();
   for (const auto& stream : plan.streams) {
     streams.push_back(
@@ -169,7 +196,7 @@ int Validate(const ValidateOptions& options) {
   }
   const schedules::Plan plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
   const LifePlan life = LifeOf(inputs.schedule, plan);
-  const std::vector<InterlockRow> interlocks = Interlocks::Table(SensorsOf(inputs.bench));
+  const std::vector<Interlock> interlocks = InterlocksOf(inputs);
   options.json ? PrintJson(inputs.schedule, plan, life, interlocks)
                : PrintPlan(inputs.schedule, plan, life, interlocks);
   return static_cast<int>(ExitCode::kDone);

@@ -1,39 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/controller/state_machine.h"
 
+#include <array>
+#include <utility>
+
 namespace strainwave::bench {
 namespace {
 
+// What a bench that is ready can begin.
+constexpr std::array kFromReady{
+    std::pair{BenchEvent::kBeginLoadRun, BenchState::kLoadRun},
+    std::pair{BenchEvent::kBeginMeasurementRotation, BenchState::kMeasurementRotation},
+    std::pair{BenchEvent::kBeginTransmissionErrorSweep, BenchState::kTransmissionErrorSweep},
+    std::pair{BenchEvent::kBeginHysteresisTest, BenchState::kHysteresisTest},
+    std::pair{BenchEvent::kBeginBlankTest, BenchState::kBlankTest},
+    std::pair{BenchEvent::kBeginSoak, BenchState::kSoak},
+    std::pair{BenchEvent::kBeginSensorCheck, BenchState::kSensorCheck},
+    std::pair{BenchEvent::kBeginStore, BenchState::kStore},
+    std::pair{BenchEvent::kFinish, BenchState::kFinished}};
+
 std::optional<BenchState> NextFromReady(BenchEvent event) {
-  switch (event) {
-    case BenchEvent::kBeginLoadRun:
-      return BenchState::kLoadRun;
-    case BenchEvent::kBeginMeasurementRotation:
-      return BenchState::kMeasurementRotation;
-    case BenchEvent::kBeginTransmissionErrorSweep:
-      return BenchState::kTransmissionErrorSweep;
-    case BenchEvent::kBeginHysteresisTest:
-      return BenchState::kHysteresisTest;
-    case BenchEvent::kBeginBlankTest:
-      return BenchState::kBlankTest;
-    case BenchEvent::kBeginSoak:
-      return BenchState::kSoak;
-    case BenchEvent::kBeginSensorCheck:
-      return BenchState::kSensorCheck;
-    case BenchEvent::kBeginStore:
-      return BenchState::kStore;
-    case BenchEvent::kFinish:
-      return BenchState::kFinished;
-    case BenchEvent::kReset:
-    case BenchEvent::kStart:
-    case BenchEvent::kBeginUnwinding:
-    case BenchEvent::kReferenced:
-    case BenchEvent::kPhaseEnded:
-    case BenchEvent::kSuspend:
-    case BenchEvent::kResume:
-    case BenchEvent::kStored:
-    case BenchEvent::kFault:
-      return std::nullopt;
+  for (const auto& [begins, state] : kFromReady) {
+    if (begins == event) return state;
   }
   return std::nullopt;
 }

@@ -7,6 +7,7 @@
 
 #include "analysis/units.h"
 #include "bench/controller/motion.h"
+#include "bench/controller/phase_program.h"
 #include "bench/errors/bench_error.h"
 #include "bench/machines/make_machine.h"
 

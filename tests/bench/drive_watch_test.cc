@@ -116,5 +116,24 @@ TEST_F(Watched, MayChangeItsModeThroughOtherStates) {
   EXPECT_EQ(Says(PowerState::kSwitchedOn, false).cause, StopCause::kDriveDroppedOut);
 }
 
+TEST_F(Watched, MayHaveItsBrakeOnUntilThatIsReleasedAndAfterItIsAskedFor) {
+  watch_.Enable(DriveMode::kTorque);
+  EXPECT_FALSE(Says(PowerState::kOperationEnabled, false));
+  EXPECT_FALSE(Says(PowerState::kOperationEnabled, true)) << "nobody has released it";
+  watch_.SetBrake(false);
+  EXPECT_FALSE(Says(PowerState::kOperationEnabled, false));
+  watch_.SetBrake(true);
+  for (int period = 0; period < 5; ++period) EXPECT_FALSE(Says(PowerState::kOperationEnabled, true));
+}
+
+TEST_F(Watched, IsNotWatchedForItsStateOnceItIsStoppedOrSwitchedOff) {
+  for (const bool quick : {true, false}) {
+    ComeUp();
+    quick ? watch_.QuickStop() : watch_.Disable();
+    EXPECT_FALSE(Says(PowerState::kSwitchOnDisabled, true));
+    EXPECT_EQ(Says(PowerState::kSwitchOnDisabled, true, milliseconds(101)).cause, StopCause::kDriveSilent);
+  }
+}
+
 }  // namespace
 }  // namespace strainwave::bench::drive_watch_test

@@ -189,5 +189,61 @@ TEST(Interlocks, NameTheChannelThatIsBad) {
   EXPECT_EQ(Describe(kInterlocks.Check(readings, Now())), "the output torque gives no plausible value");
 }
 
+constexpr unsigned BitOf(Channel channel) { return 1u << static_cast<unsigned>(channel); }
+
+// A channel without a value cannot be held against its limit: what says so is the channel, not the limit.
+TEST(Interlocks, DoNotJudgeALimitByAChannelThatIsBad) {
+  for (const Channel channel :
+       {Channel::kOutputTorque, Channel::kInputSpeed, Channel::kGearTemperature, Channel::kVibrationRms}) {
+    Readings readings = Quiet();
+    readings.output_torque_Nm = readings.input_speed_rad_per_s = readings.gear_temperature_degC = 1e6;
+    readings.vibration_rms_m_per_s2 = 1e6;
+    std::array<StopReason, 16> all;
+    const std::size_t before = kInterlocks.CheckAll(readings, Now(), all);
+    readings.bad_channels = BitOf(channel);
+    const std::size_t count = kInterlocks.CheckAll(readings, Now(), all);
+    const bool guards = channel == Channel::kOutputTorque || channel == Channel::kInputSpeed;
+    EXPECT_EQ(count, guards ? before : before - 1) << static_cast<int>(channel);
+  }
+}
+
+TEST(Interlocks, LetALockedInputTwistWithinItsLimit) {
+  InterlockInputs inputs = Now();
+  inputs.input_locked = true;
+  inputs.twist_rad = RadFromArcmin(29.0);
+  EXPECT_FALSE(kInterlocks.Check(Quiet(), inputs));
+}
+
+TEST(Interlocks, LowerLimitsAndNeverRaiseThem) {
+  Interlocks interlocks(TestLimits(), milliseconds(30));
+  schedules::Limits limits = TestLimits();
+  limits.output_torque_Nm = 30.0;
+  limits.input_speed_rad_per_s = 1e6;
+  interlocks.Lower(limits);
+  EXPECT_EQ(interlocks.Check(Quiet(), Now()).cause, StopCause::kOutputTorqueLimit);
+  limits.output_torque_Nm = 1000.0;
+  interlocks.Lower(limits);
+  EXPECT_EQ(interlocks.Check(Quiet(), Now()).limit, 30.0);
+  Readings fast = Quiet();
+  fast.output_torque_Nm = 0.0;
+  fast.input_speed_rad_per_s = RadPerSFromRpm(3100.0);
+  EXPECT_EQ(interlocks.Check(fast, Now()).cause, StopCause::kInputSpeedLimit);
+}
+
+TEST(SuspendMonitor, DoesNotResumeWhileAChannelIsBadAndLowersItsThreshold) {
+  schedules::SuspendRule rule;
+  rule.trip_temperature_degC = 70.0;
+  rule.resume_temperature_degC = 60.0;
+  rule.dwell_s = 1.0;
+  rule.bad_sensor_s = 2.0;
+  SuspendMonitor monitor(rule);
+  Readings readings = Quiet();
+  readings.bad_channels = BitOf(Channel::kVibrationRms);
+  for (int second = 0; second < 10; ++second) EXPECT_FALSE(monitor.Recovered(readings, 1.0));
+  monitor.LowerTrip(40.0);
+  monitor.LowerTrip(90.0);
+  EXPECT_EQ(monitor.Check(Quiet(), 0.01).limit, 40.0);
+}
+
 }  // namespace
 }  // namespace strainwave::bench::interlocks_test

@@ -157,5 +157,32 @@ TEST(PositionAway, TellsAnInputThatDidNotFollow) {
             "torque limit, coupling or current?");
 }
 
+// Whatever stands away at this moment, before its dwell is over.
+TEST(LoadWatch, SaysWhatIsAwayAtThisMoment) {
+  schedules::SetPointTolerances tolerances;
+  tolerances.torque_share = 0.15;
+  tolerances.speed_share = 0.05;
+  tolerances.dwell_s = 1000.0;
+  schedules::Specimen specimen;
+  specimen.rated_torque_Nm = 34.0;
+  const auto away = [&](double torque_Nm, double speed_rad_per_s) {
+    LoadWatch watch(tolerances, 40.0, 100.0, specimen);
+    Readings readings;
+    for (int period = 1; period <= 1000; ++period) {
+      // The encoder's newest sample is there for two periods.
+      readings.time = readings.torque_time = ToTime(kPeriod_s * period);
+      readings.input_angle_time = ToTime(kPeriod_s * (period - period % 2));
+      readings.input_angle_rad = speed_rad_per_s * kPeriod_s * (period - period % 2);
+      readings.output_torque_Nm = torque_Nm;
+      watch.Step(40.0, 100.0, readings, kPeriod_s);
+    }
+    return watch.away_reason().cause;
+  };
+  EXPECT_EQ(away(40.0, 100.0), StopCause::kNone);
+  EXPECT_EQ(away(20.0, 100.0), StopCause::kTorqueAway);
+  EXPECT_EQ(away(40.0, 50.0), StopCause::kSpeedAway);
+  EXPECT_EQ(away(20.0, 50.0), StopCause::kTorqueAway);
+}
+
 }  // namespace
 }  // namespace strainwave::bench::set_point_watch_test

@@ -144,5 +144,29 @@ TEST(ShaftWatch, BeginsAnewWhereAPhaseBegins) {
   for (int i = 0; i < 100; ++i) ASSERT_FALSE(check(5.0));
 }
 
+TEST(ShaftWatch, JudgesNothingTwice) {
+  // The drive, or the encoder, tells the same sample again: of another moment than the other's new one.
+  for (const bool drive_repeats : {true, false}) {
+    ShaftWatch watch(0.0);
+    Readings readings;
+    DriveActual driving{.time = kPeriod, .position_rad = 0.0, .tells_position = true, .speed_rad_per_s = 0.0};
+    readings.time = readings.input_angle_time = kPeriod;
+    EXPECT_FALSE(watch.Check(readings, driving));
+    for (nanoseconds time = 2 * kPeriod; time < std::chrono::seconds(2); time += kPeriod) {
+      readings.time = time;
+      (drive_repeats ? readings.input_angle_time : driving.time) = time;
+      readings.input_angle_rad = 100.0;
+      EXPECT_FALSE(watch.Check(readings, driving));
+    }
+  }
+}
+
+TEST(ShaftWatch, JudgesNoSamplesThatAreFarApartInTime) {
+  Shaft shaft;
+  shaft.drive_time = [](nanoseconds time) { return time + milliseconds(60); };
+  shaft.encoder = [](double) { return 0.0; };
+  EXPECT_FALSE(shaft.TurnFor(std::chrono::seconds(5)).reason);
+}
+
 }  // namespace
 }  // namespace strainwave::bench::shaft_watch_test

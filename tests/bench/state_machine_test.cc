@@ -234,5 +234,24 @@ TEST(StateMachineSearch, StoringHasNoTorqueAndNothingEndsDuringIt) {
   }
 }
 
+// A number that no later version of this table can mean: nothing is allowed in it, and nothing turns.
+TEST(StateMachine, AStateThatThereIsNotAllowsNothing) {
+  const auto unknown = static_cast<BenchState>(99);
+  for (const BenchEvent event : kAllEvents) {
+    EXPECT_EQ(Next(unknown, event),
+              event == BenchEvent::kFault ? std::optional(BenchState::kFaulted) : std::nullopt);
+  }
+  EXPECT_FALSE(TorqueAllowed(unknown));
+  EXPECT_EQ(Next(BenchState::kReady, static_cast<BenchEvent>(99)), std::nullopt);
+  EXPECT_EQ(Name(unknown), "?");
+}
+
+TEST(StateMachine, EveryStateHasANameOfItsOwn) {
+  std::set<std::string_view> names;
+  for (const BenchState state : kAllStates) names.insert(Name(state));
+  EXPECT_EQ(names.size(), kAllStates.size());
+  EXPECT_FALSE(names.contains("?"));
+}
+
 }  // namespace
 }  // namespace strainwave::bench::state_machine_test

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,7 +52,8 @@ TEST_F(WithoutAccelerometers, ValidateListsTheirLimitAsNotWatched) {
   EXPECT_EQ(result.error, warning_);
   const std::size_t not_watched = result.out.find("not watched on this bench\n");
   ASSERT_NE(not_watched, std::string::npos) << result.out;
-  EXPECT_GT(result.out.find("limits.vibration_rms         the bench has no accelerometers\n"), not_watched);
+  EXPECT_GT(result.out.find("limits.vibration_rms                    the bench has no accelerometers\n"),
+            not_watched);
   EXPECT_EQ(result.out.find("limits.vibration_rms"), result.out.rfind("limits.vibration_rms"));
   const auto plan =
       nlohmann::json::parse(RunProgram({"validate", schedule_, "--bench", bench_, "--json"}).out);
@@ -64,6 +66,24 @@ TEST_F(WithoutAccelerometers, ValidateListsTheirLimitAsNotWatched) {
   EXPECT_EQ(not_watched_limits,
             (std::vector<std::string>{"limits.vibration_rms: the bench has no accelerometers",
                                       "pressed, or its pendant gone: the bench has no pendant"}));
+}
+
+TEST_F(WithoutAccelerometers, ValidateSaysAfterHowLongAnInterlockNoticesAndWhetherItLatches) {
+  const ProgramResult result = RunProgram({"validate", schedule_, "--bench", bench_});
+  EXPECT_NE(
+      result.out.find("  output torque               limits.output_torque                           0.04 s  "
+                      "latches  torque off, brakes on\n"),
+      std::string::npos)
+      << result.out;
+  const auto plan =
+      nlohmann::json::parse(RunProgram({"validate", schedule_, "--bench", bench_, "--json"}).out);
+  std::map<std::string, std::pair<double, bool>> rows;
+  for (const auto& row : plan["interlocks"]) rows[row["limit"]] = {row["noticed_within_s"], row["latches"]};
+  // Three periods that a reading may be old, and the period in which it is looked at.
+  EXPECT_EQ(rows.at("limits.output_torque"), std::pair(0.04, true));
+  EXPECT_EQ(rows.at("power state fault"), std::pair(0.04, false));
+  // small.yaml waits 2 s for a bad sensor.
+  EXPECT_NEAR(rows.at("suspend.bad_sensor").first, 2.04, 1e-9);
 }
 
 // Nor does it trip, however low: what nothing measures says nothing.
