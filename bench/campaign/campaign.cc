@@ -14,6 +14,7 @@
 #include "bench/configuration/read_bench_file.h"
 #include "bench/errors/bench_error.h"
 #include "bench/utc.h"
+#include "daq/synced_folder.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -110,7 +111,7 @@ class Beginning {
   }
 
   void MakeFolder(const std::filesystem::path& folder) {
-    if (std::filesystem::create_directories(folder)) made_.push_back(folder);
+    if (daq::MakeFolders(folder)) made_.push_back(folder);
   }
   void WriteFile(const std::filesystem::path& file, const std::string& text) {
     if (!std::filesystem::exists(file)) made_.push_back(file);
@@ -175,6 +176,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   }
   std::filesystem::rename(aside, folder.Journal());
   beginning.Keep();
+  daq::SyncFolder(folder.root);
   return Journal::Open(folder.Journal(), Database::Mode::kReadWrite);
 }
 
