@@ -39,7 +39,7 @@ TEST_PACKAGES=(
   sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   python3-pymodbus python3-serial-asyncio python3-aiosmtpd socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
-  chromium nodejs
+  chromium nodejs libfuse3-dev
 )
 # In Debian a package of its own; nodejs from elsewhere brings it along.
 command -v npm >/dev/null || TEST_PACKAGES+=(npm)

@@ -122,11 +122,28 @@ CheckpointFile::CheckpointFile(const std::filesystem::path& path) : path_(path),
   const Slots slots = DemandSlots(file_.get(), path_);
   sequence_ = slots.newest ? slots.newest->sequence : 0;
   newest_slot_ = slots.newest_slot;
-  // A state that a killed process left in the page cache becomes the one to fall back on.
+  // A state that a process before left in the page cache becomes the one to fall back on.
+  if (slots.newest) RenewNewest();
   Sync();
 }
 
+// Where a sync of that process failed, the kernel holds for written what is not on the disk: the same bytes
+// in the same place, which a cut in between leaves as they are, and it has to write them.
+void CheckpointFile::RenewNewest() {
+  const auto at = static_cast<off_t>(newest_slot_ * kSlotStride_bytes);
+  const ssize_t got = ::pread(file_.get(), buffer_.data(), buffer_.size(), at);
+  if (got != static_cast<ssize_t>(buffer_.size()) ||
+      ::pwrite(file_.get(), buffer_.data(), buffer_.size(), at) != got) {
+    throw DataFileError(LastError(), "cannot write the checkpoint", path_.string());
+  }
+}
+
+void CheckpointFile::DemandSynced() const {
+  if (failed_sync_) throw DataFileError(failed_sync_, "cannot sync the checkpoint", path_.string());
+}
+
 void CheckpointFile::Write(std::span<const std::byte> payload) {
+  DemandSynced();
   if (payload.size() > kCapacity_bytes) {
     throw std::invalid_argument(
         fmt::format("payload of {} bytes is longer than the {} of a slot", payload.size(), kCapacity_bytes));
@@ -153,8 +170,8 @@ void CheckpointFile::Write(std::span<const std::byte> payload) {
 }
 
 void CheckpointFile::Sync() {
-  if (::fdatasync(file_.get()) != 0)
-    throw DataFileError(LastError(), "cannot sync the checkpoint", path_.string());
+  if (!failed_sync_ && ::fdatasync(file_.get()) != 0) failed_sync_ = LastError();
+  DemandSynced();
   synced_slot_ = newest_slot_;
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <system_error>
 #include <vector>
 
 #include "daq/file_descriptor.h"
@@ -39,11 +40,15 @@ class CheckpointFile {
   explicit CheckpointFile(const std::filesystem::path& path);
 
   /// Writes the next state: one system call, no allocation, nothing waits for the disk.
-  /// @throws std::invalid_argument if `payload` is longer than `kCapacity_bytes`; DataFileError.
+  /// @throws std::invalid_argument if `payload` is longer than `kCapacity_bytes`; DataFileError, also after a
+  /// sync
+  ///   that failed.
   void Write(std::span<const std::byte> payload);
 
   /// Waits until everything written is on the disk.
-  /// @throws DataFileError; what was written since the last sync may then be lost in a power cut.
+  /// @throws DataFileError; what was written since the last sync may then be lost in a power cut. The kernel
+  /// says
+  ///   so once and takes the next sync for good, so each call throws from then on.
   void Sync();
 
   /// The newest state, also one of a process before; nothing if there was none. @throws DataFileError as
@@ -51,11 +56,15 @@ class CheckpointFile {
   std::optional<Checkpoint> ReadLatest() const;
 
  private:
+  void RenewNewest();
+  void DemandSynced() const;
+
   std::filesystem::path path_;
   FileDescriptor file_;
   std::uint64_t sequence_{};  // of the newest write
   std::size_t newest_slot_{};
   std::size_t synced_slot_{};
+  std::error_code failed_sync_;
   std::array<std::byte, kSlotStride_bytes> buffer_{};
 };
 

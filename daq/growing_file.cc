@@ -196,7 +196,12 @@ GrowingFile::GrowingFile(const std::filesystem::path& path, Attributes attribute
   if (!folder.is_open() || ::fsync(folder.get()) != 0) ThrowLast("cannot sync the folder of", path_);
 }
 
+void GrowingFile::DemandSynced() const {
+  if (failed_sync_) throw DataFileError(failed_sync_, "cannot sync", path_.string());
+}
+
 void GrowingFile::Append(std::span<const NamedRecord> records) {
+  DemandSynced();
   Payload payload;
   payload.Add(attributes_);
   payload.Add(std::uint64_t{records.size()});
@@ -224,7 +229,8 @@ void GrowingFile::Append(std::span<const NamedRecord> records) {
   header.header_crc32 = ChecksumOf(header);
   WriteAll(file_.get(), std::as_bytes(std::span(&header, 1)), path_);
   WriteAll(file_.get(), payload.bytes(), path_);
-  if (::fdatasync(file_.get()) != 0) ThrowLast("cannot sync", path_);
+  if (::fdatasync(file_.get()) != 0) failed_sync_ = LastError();
+  DemandSynced();
 }
 
 GrownFile ReadGrowingFile(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "daq/cycle_file.h"
@@ -24,15 +25,18 @@ class GrowingFile {
   /// Adds the rows that have come since the last call, and the metadata as they are now; a record of one row
   /// counts as a summary and is written anew. On the disk when it returns.
   /// @param records  the whole records so far: the same groups with the same columns, in any call.
-  /// @throws DataFileError.
+  /// @throws DataFileError; after a sync that failed, of which the kernel speaks once, each time.
   void Append(std::span<const NamedRecord> records);
 
  private:
+  void DemandSynced() const;
+
   std::filesystem::path path_;
   FileDescriptor file_;
   Attributes attributes_;
   std::map<std::string, std::size_t> rows_;  // on the disk, by group
   std::uint64_t blocks_{};
+  std::error_code failed_sync_;
 };
 
 struct GrownFile {

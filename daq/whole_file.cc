@@ -14,19 +14,13 @@
 #include "daq/file_descriptor.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
+#include "daq/synced_folder.h"
 
 namespace strainwave::daq {
 namespace {
 
 [[noreturn]] void ThrowUnreadable(const std::filesystem::path& path) {
   throw RecordError(path.string(), LastError().message(), "a record file");
-}
-
-void SyncDirectory(const std::filesystem::path& directory) {
-  const FileDescriptor handle(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!handle.is_open() || ::fsync(handle.get()) != 0) {
-    throw DataFileError(LastError(), "cannot sync folder", directory.string());
-  }
 }
 
 // Removes the partial file on every way out but success.
@@ -97,7 +91,7 @@ void WriteFileAtomically(const std::filesystem::path& path, std::span<const std:
     throw DataFileError(LastError(), "cannot rename the finished file to", path.string());
   }
   partial.set_owned(false);
-  SyncDirectory(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
+  SyncFolder(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
 }
 
 void WriteFileAtomically(const std::filesystem::path& path, const std::string& text) {

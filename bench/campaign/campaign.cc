@@ -16,6 +16,7 @@
 #include "bench/utc.h"
 #include "daq/cycle_file.h"
 #include "daq/record_pipe.h"
+#include "daq/synced_folder.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -112,7 +113,7 @@ class Beginning {
   }
 
   void MakeFolder(const std::filesystem::path& folder) {
-    if (std::filesystem::create_directories(folder)) made_.push_back(folder);
+    if (daq::MakeFolders(folder)) made_.push_back(folder);
   }
   void WriteFile(const std::filesystem::path& file, const std::string& text) {
     if (!std::filesystem::exists(file)) made_.push_back(file);
@@ -178,6 +179,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   }
   std::filesystem::rename(aside, folder.Journal());
   beginning.Keep();
+  daq::SyncFolder(folder.root);
   return Journal::Open(folder.Journal(), Database::Mode::kReadWrite);
 }
 

@@ -13,6 +13,7 @@
 #include "bench/configuration/sensors_of.h"
 #include "daq/cycle_file.h"
 #include "daq/record.h"
+#include "daq/synced_folder.h"
 
 namespace strainwave::bench {
 namespace {
@@ -69,7 +70,7 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   }
   held_.DemandInPlace();
   const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
-  std::filesystem::create_directories(folder_.Faults());
+  daq::MakeFolders(folder_.Faults());
   machine_.KeepBusLogs(std::filesystem::path(file).replace_extension());
   if (!outcome.black_box.empty()) {
     machine_.TakePicture(std::filesystem::path(file).replace_extension(".jpg"));

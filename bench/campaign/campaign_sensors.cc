@@ -10,6 +10,7 @@
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/check_results.h"
 #include "bench/utc.h"
+#include "daq/synced_folder.h"
 
 namespace strainwave::bench {
 
@@ -65,7 +66,7 @@ void CampaignRunner::ShowExtremes() {
 void CampaignRunner::BeginRecording(const CycleStep& step, int repeat) {
   if (step.phase->recorded_sources.empty()) return;
   const auto streams = held_.wherever().Streams();
-  std::filesystem::create_directories(streams);
+  daq::MakeFolders(streams);
   const std::string retry = repeat == 0 ? "" : fmt::format("-retry_{}", repeat);
   machine_.StartRecording({step.phase->recorded_sources,
                            streams,

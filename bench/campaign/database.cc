@@ -5,6 +5,7 @@
 #include <sqlite3.h>
 
 #include "bench/campaign/page_checksums.h"
+#include "daq/synced_folder.h"
 
 namespace strainwave::bench {
 
@@ -158,7 +159,11 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
     sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_RESERVE_BYTES, &reserved);
   }
   Execute("PRAGMA journal_mode=WAL");
-  if (mode == Mode::kReadWrite) KeepLog();
+  if (mode == Mode::kReadWrite) {
+    KeepLog();
+    // SQLite syncs the name of its log, too, but does not look whether that succeeded.
+    daq::SyncFolder(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+  }
   Execute("PRAGMA synchronous=FULL");
   Execute("PRAGMA foreign_keys=ON");
 }

@@ -18,6 +18,7 @@
 
 #include "bench/configuration/commissioning_file.h"
 #include "bench/errors/bench_error.h"
+#include "daq/synced_folder.h"
 
 namespace strainwave::bench {
 namespace {
@@ -46,7 +47,7 @@ std::vector<FrozenFile> FrozenFiles(const CampaignFolder& folder) {
 }
 
 CampaignLock::CampaignLock(const CampaignFolder& folder)
-    : folder_(folder), made_folder_(std::filesystem::create_directories(folder.root)) {
+    : folder_(folder), made_folder_(daq::MakeFolders(folder.root)) {
   Open();
   struct stat file {};
   // Another process may have taken its lock away meanwhile.
