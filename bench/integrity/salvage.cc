@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/integrity/salvage.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -17,6 +21,7 @@
 #include "bench/sha256.h"
 #include "bench/utc.h"
 #include "daq/cycle_file.h"
+#include "daq/file_descriptor.h"
 #include "daq/record_checks.h"
 
 namespace strainwave::bench {
@@ -183,6 +188,10 @@ SalvageNote Salvage(const CampaignFolder& from, const CampaignIntegrity& integri
   }
   // The journal appears last: a folder without it is no campaign yet.
   fs::rename(aside, folder.Journal());
+  const daq::FileDescriptor disk(::open(out.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!disk.is_open() || ::syncfs(disk.get()) != 0) {
+    throw std::system_error(errno, std::generic_category(), out.string());
+  }
   return note;
 }
 
