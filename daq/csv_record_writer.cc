@@ -26,7 +26,7 @@ void DemandWritable(const Record& record) {
     DemandPlain("metadata key", key, ":");
     DemandPlain("metadata value", value, "");
     const bool is_doubled = std::any_of(record.metadata.begin(), entry,
-                                        [&](const auto& earlier) { return earlier.first == key; });
+                                        [&](const auto& earlier) { return earlier.first == entry->first; });
     if (key.empty() || key == "kind" || is_doubled) {
       throw std::invalid_argument(fmt::format("metadata key '{}' is empty, doubled or 'kind'", key));
     }
