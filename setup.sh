@@ -14,7 +14,8 @@ usage: ./setup.sh VERB
             what a plain simulation would have got wrong
   package   build, and make Debian packages in build/packages/
   test      install what the tests need besides, build everything, then run all tests with ctest
-  check     what takes long: format, links, the long tests, the larger blind set, asan, tsan, clang-tidy
+  check     what takes long: format, links, the long tests, the larger blind set, a minute of each fuzz target, asan,
+            tsan, clang-tidy
 
 A second run with nothing to do takes seconds. Exit code: 0, or that of the step that failed.
 TEXT
@@ -250,6 +251,7 @@ check() {
   step "long tests" check_long
   step "blind set" check_blind
   step "records as loggers leave them" tests/loggers/run --seed 1 --jobs "$(nproc)"
+  step "fuzz targets" tests/fuzz/run_all.sh 60
   step "clang-tidy" check_tidy
   step "branches of the safety layer" tests/safety_coverage.sh
   step "asan" check_sanitized asan

@@ -13,6 +13,7 @@
 #include "daq/hdf5_image.h"
 #include "daq/hdf5_record.h"
 #include "daq/record_error.h"
+#include "daq/record_pipe.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::daq {
@@ -22,6 +23,16 @@ constexpr std::size_t kMostValues = std::size_t{1} << 28;  // 2 GiB; a damaged s
 
 std::size_t SizeOf(const std::vector<std::size_t>& shape) {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
+// A product of extents may be any small number once it does not fit any more.
+bool IsAtMost(const std::vector<std::size_t>& shape, std::size_t most) {
+  if (std::ranges::find(shape, std::size_t{0}) != shape.end()) return true;
+  for (const std::size_t extent : shape) {
+    if (extent > most) return false;
+    most /= extent;
+  }
+  return true;
 }
 
 void WriteArray(hid_t file, const NamedArray& array) {
@@ -36,14 +47,15 @@ void WriteArray(hid_t file, const NamedArray& array) {
   Check(H5Dwrite(set.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()));
 }
 
-NamedArray ReadArray(hid_t file, const std::string& name) {
+NamedArray ReadArray(hid_t file, const std::string& name, std::size_t& values_left) {
   const Hdf5Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   const Hdf5Handle space(H5Dget_space(set.get()), H5Sclose);
   std::vector<hsize_t> shape(static_cast<std::size_t>(Check(H5Sget_simple_extent_ndims(space.get()))));
   Check(H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr));
   NamedArray array{name, {shape.begin(), shape.end()}, {}};
-  if (SizeOf(array.shape) > kMostValues) throw Hdf5Error(fmt::format("array '{}' is too large", name));
+  if (!IsAtMost(array.shape, values_left)) throw Hdf5Error(fmt::format("array '{}' is too large", name));
   array.values.resize(SizeOf(array.shape));
+  values_left -= array.values.size();
   Check(H5Dread(set.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()));
   return array;
 }
@@ -82,19 +94,28 @@ void WriteArraysAtomically(const std::filesystem::path& path, const ArraysFile& 
   WriteFileAtomically(path, image);
 }
 
-ArraysFile ReadArrays(const std::filesystem::path& path) {
+namespace {
+
+ArraysFile ReadArraysHere(const std::filesystem::path& path) {
   const Hdf5Silence silence;
   const Hdf5Handle file = OpenHdf5ForReading(path);
   try {
     ArraysFile read{.attributes = ReadFileAttributes(file.get()), .arrays = {}};
     std::vector<std::string> names;
     Check(H5Literate(file.get(), H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, TakeName, &names));
-    for (const std::string& name : names) read.arrays.push_back(ReadArray(file.get(), name));
+    std::size_t values_left = kMostValues;
+    for (const std::string& name : names) read.arrays.push_back(ReadArray(file.get(), name, values_left));
     return read;
   } catch (const Hdf5Error& error) {
     throw RecordError(path.string(), fmt::format("HDF5 cannot read the file: {}", error.what()),
                       "the arrays as they were written");
   }
+}
+
+}  // namespace
+
+ArraysFile ReadArrays(const std::filesystem::path& path) {
+  return ReadArraysInOwnProcess(path, LimitsForFile(path), [&path] { return ReadArraysHere(path); });
 }
 
 }  // namespace strainwave::daq

@@ -31,6 +31,7 @@ struct ArraysFile {
 /// @throws std::invalid_argument if a shape does not fit its values; DataFileError.
 void WriteArraysAtomically(const std::filesystem::path& path, const ArraysFile& file);
 
+/// Read in a process of its own (`record_pipe.h`); no other thread may be within HDF5 meanwhile.
 /// @throws RecordError if the file is missing, cut, not HDF5, or holds something else than arrays of numbers.
 ArraysFile ReadArrays(const std::filesystem::path& path);
 

@@ -214,13 +214,47 @@ std::vector<Finding> ReceiveFindings(Receiver& in) {
   return findings;
 }
 
-void SendWhatIsRead(int pipe, const std::function<std::vector<Record>()>& read) {
+void Send(Sender& out, const std::vector<Record>& records) {
+  out.Number(records.size());
+  for (const Record& record : records) Send(out, record);
+}
+
+void Receive(Receiver& in, std::vector<Record>& records) {
+  records.resize(in.Count(kMostGroups));
+  for (Record& record : records) record = ReceiveRecord(in);
+}
+
+void Send(Sender& out, const ArraysFile& file) {
+  Send(out, file.attributes);
+  out.Number(file.arrays.size());
+  for (const NamedArray& array : file.arrays) {
+    out.Text(array.name);
+    out.Number(array.shape.size());
+    for (const std::size_t extent : array.shape) out.Number(extent);
+    out.Number(array.values.size());
+    out.Bytes(std::as_bytes(std::span(array.values)));
+  }
+}
+
+void Receive(Receiver& in, ArraysFile& file) {
+  constexpr std::size_t kMostDimensions = 32;  // of HDF5
+  file.attributes = ReceivePairs(in);
+  file.arrays.resize(in.Count(kMostGroups));
+  for (NamedArray& array : file.arrays) {
+    array.name = in.Text();
+    array.shape.resize(in.Count(kMostDimensions));
+    for (std::size_t& extent : array.shape) extent = in.Number();
+    array.values = in.Values<double>();
+  }
+}
+
+template <typename What>
+void SendWhatIsRead(int pipe, const std::function<What()>& read) {
   Sender out(pipe);
   try {
-    const std::vector<Record> records = read();
+    const What what = read();
     Send(out, std::span<const Finding>{});
-    out.Number(records.size());
-    for (const Record& record : records) Send(out, record);
+    Send(out, what);
   } catch (const RecordError& error) {
     Send(out, std::span(error.findings()));
   }
@@ -245,20 +279,19 @@ ProcessLimits LimitsForFile(const std::filesystem::path& path) {
           .silence = kLongestSilence + seconds};
 }
 
-std::vector<Record> ReadInOwnProcess(const std::filesystem::path& path, const ProcessLimits& limits,
-                                     const std::function<std::vector<Record>()>& read,
-                                     std::string_view reader) {
+namespace {
+
+template <typename What>
+What ReadApart(const std::filesystem::path& path, const ProcessLimits& limits,
+               const std::function<What()>& read, std::string_view reader) {
   LimitedProcess process(limits, [&read](int pipe) { SendWhatIsRead(pipe, read); });
   std::vector<Finding> findings;
-  std::vector<Record> records;
+  What what;
   std::string trouble;
   try {
     Receiver in(process);
     findings = ReceiveFindings(in);
-    if (findings.empty()) {
-      records.resize(in.Count(kMostGroups));
-      for (Record& record : records) record = ReceiveRecord(in);
-    }
+    if (findings.empty()) Receive(in, what);
     trouble = process.End();
   } catch (const BrokenOff&) {
     trouble = process.End();
@@ -269,7 +302,20 @@ std::vector<Record> ReadInOwnProcess(const std::filesystem::path& path, const Pr
                       "the file as it was written");
   }
   if (!findings.empty()) throw RecordError(std::move(findings));
-  return records;
+  return what;
+}
+
+}  // namespace
+
+std::vector<Record> ReadInOwnProcess(const std::filesystem::path& path, const ProcessLimits& limits,
+                                     const std::function<std::vector<Record>()>& read,
+                                     std::string_view reader) {
+  return ReadApart(path, limits, read, reader);
+}
+
+ArraysFile ReadArraysInOwnProcess(const std::filesystem::path& path, const ProcessLimits& limits,
+                                  const std::function<ArraysFile()>& read) {
+  return ReadApart(path, limits, read, "the HDF5 library");
 }
 
 }  // namespace strainwave::daq

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daq/arrays_file.h"
 #include "daq/limited_process.h"
 #include "daq/record.h"
 #include "daq/record_error.h"
@@ -24,5 +25,8 @@ ProcessLimits LimitsForFile(const std::filesystem::path& path);
 std::vector<Record> ReadInOwnProcess(const std::filesystem::path& path, const ProcessLimits& limits,
                                      const std::function<std::vector<Record>()>& read,
                                      std::string_view reader = "the HDF5 library");
+/// The same for a file of arrays.
+ArraysFile ReadArraysInOwnProcess(const std::filesystem::path& path, const ProcessLimits& limits,
+                                  const std::function<ArraysFile()>& read);
 
 }  // namespace strainwave::daq

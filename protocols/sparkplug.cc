@@ -28,6 +28,9 @@ constexpr int kNumbers = 256;
 constexpr std::string_view kBirthDeathNumber = "bdSeq";
 constexpr std::string_view kQuality = "Quality";
 constexpr std::string_view kRebirth = "Node Control/Rebirth";
+// What a host says takes a hundred bytes; a broker passes on 256 MB.
+constexpr std::size_t kLongestWord_bytes = 4096;
+constexpr std::size_t kLongestCommand_bytes = std::size_t{1} << 20U;
 
 void RequireTopicName(const char* what, const std::string& name) {
   if (name.empty() || name.find_first_of("/+#") != std::string::npos) {
@@ -179,6 +182,7 @@ std::string OldHostStateTopic(const std::string& host) {
 
 std::optional<HostState> ParseHostState(std::string_view bytes) {
   if (bytes == "ONLINE" || bytes == "OFFLINE") return HostState{bytes == "ONLINE", std::nullopt};
+  if (bytes.size() > kLongestWord_bytes) return std::nullopt;
   const auto json = nlohmann::json::parse(bytes, nullptr, false);
   if (!json.is_object() || !json.contains("online") || !json["online"].is_boolean() ||
       !json.contains("timestamp") || !json["timestamp"].is_number_integer()) {
@@ -214,6 +218,7 @@ std::optional<SparkplugPayload> ParseSparkplug(std::string_view bytes) {
 
 bool AsksForRebirth(std::string_view bytes) {
   Payload payload;
+  if (bytes.size() > kLongestCommand_bytes) return false;
   if (!payload.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return false;
   return std::any_of(payload.metrics().begin(), payload.metrics().end(), [](const Payload::Metric& metric) {
     return metric.name() == kRebirth && metric.boolean_value();

@@ -52,10 +52,11 @@ FaultFolds FoldsOf(const std::vector<int>& fold_of_row, int folds, const Eigen::
     // Fewer rows have no covariance that tells what lies outside.
     constexpr std::size_t kFewestRows = 3;
     const bool teaches = split.train.size() >= kFewestRows && std::ranges::find(taught, true) != taught.end();
-    const auto [begin, end] = std::ranges::stable_partition(
-        split.test, [&](Eigen::Index row) { return teaches && IsTaught(PatternOf(targets, row), taught); });
-    result.untested.insert(result.untested.end(), begin, end);
-    split.test.erase(begin, end);
+    const auto untested = std::stable_partition(split.test.begin(), split.test.end(), [&](Eigen::Index row) {
+      return teaches && IsTaught(PatternOf(targets, row), taught);
+    });
+    result.untested.insert(result.untested.end(), untested, split.test.end());
+    split.test.erase(untested, split.test.end());
     if (!split.test.empty()) result.folds.push_back(std::move(split));
   }
   std::ranges::sort(result.untested);

@@ -2,8 +2,13 @@
 #include "bench/campaign/sample_totals.h"
 
 #include <cmath>
+#include <filesystem>
+#include <limits>
+#include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+#include <sqlite3.h>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/acquisition_results.h"
@@ -21,10 +26,22 @@ struct Totals {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Totals, last_cycle, received, lost)
 
+// A property of the journal may be anything in a folder from elsewhere.
+Totals TotalsIn(const std::string& kept, const std::filesystem::path& file) {
+  try {
+    auto totals = nlohmann::json::parse(kept).get<Totals>();
+    if (totals.last_cycle >= -1 && totals.last_cycle < std::numeric_limits<int>::max()) return totals;
+  } catch (const nlohmann::json::exception&) {
+  }
+  throw DatabaseError(
+      file, SQLITE_CORRUPT,
+      fmt::format("the property '{}' cannot be read (expected it as the program has kept it)", kTotals));
+}
+
 Totals TotalsOf(const Journal& journal) {
   Totals totals;
   // Journals of earlier programs have none: every cycle is read.
-  if (const auto kept = journal.Property(kTotals)) totals = nlohmann::json::parse(*kept).get<Totals>();
+  if (const auto kept = journal.Property(kTotals)) totals = TotalsIn(*kept, journal.database().file());
   const auto source_of = [](const CycleResult& row, std::string_view prefix) {
     return row.result.quantity.substr(prefix.size());
   };

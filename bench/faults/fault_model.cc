@@ -14,6 +14,7 @@
 #include "analysis/units.h"
 #include "bench/errors/bench_error.h"
 #include "bench/faults/fault_features.h"
+#include "bench/json_text.h"
 #include "bench/prediction/record_features.h"
 #include "bench/prediction/record_windows.h"
 #include "bench/prediction/sealed_json.h"
@@ -134,7 +135,7 @@ FaultModel ReadFaultModel(const std::filesystem::path& folder) {
   const std::string text = TextOfModel(path);
   Predictor predictor = ReadPredictor(folder);
   try {
-    const Json json = Json::parse(text);
+    const Json json = ParseJson(text);
     if (json.at("format").get<int>() != kFaultFormat)
       Refuse(path, fmt::format("format {}", json.at("format").dump()),
              fmt::format("format {}", kFaultFormat));

@@ -12,6 +12,7 @@
 #include "analysis/joint_dynamics/nominal.h"
 #include "bench/errors/bench_error.h"
 #include "bench/fingerprint/fingerprint_names.h"
+#include "bench/json_text.h"
 #include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/onnx_dense.h"
 #include "bench/prediction/sealed_json.h"
@@ -72,15 +73,21 @@ double MiddleOf(std::vector<double> values) {
 }  // namespace
 
 bool IsExportedFingerprint(const std::filesystem::path& folder) {
-  const Json json = Json::parse(
-      ReadBounded(folder / kExportedRecipe, "a folder that `strainwave export` wrote"), nullptr, false);
-  return json.is_object() && json.contains("kind") && json.at("kind") == "fingerprint";
+  const std::string text = ReadBounded(folder / kExportedRecipe, "a folder that `strainwave export` wrote");
+  try {
+    const Json json = ParseJson(text);
+    return json.is_object() && json.contains("kind") && json.at("kind") == "fingerprint";
+  } catch (const Json::exception&) {
+    return false;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
 }
 
 ExportedFingerprint::Parts ExportedFingerprint::Read(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kExportedRecipe;
   try {
-    const Json json = Json::parse(ReadBounded(file, kExportedAsWritten));
+    const Json json = ParseJson(ReadBounded(file, kExportedAsWritten));
     if (json.at("format") != kFingerprintExportFormat)
       Refuse(file, fmt::format("format {}", json.at("format").dump()),
              fmt::format("format {}; export the model again", kFingerprintExportFormat));

@@ -9,6 +9,7 @@
 #include "analysis/joint_dynamics/nominal.h"
 #include "bench/errors/bench_error.h"
 #include "bench/fingerprint/fingerprint_names.h"
+#include "bench/json_text.h"
 #include "bench/prediction/network_json.h"
 #include "bench/prediction/sealed_json.h"
 #include "bench/sha256.h"
@@ -193,7 +194,7 @@ FingerprintModel ReadFingerprintModel(const std::filesystem::path& folder) {
   const std::string text = ReadBounded(description, kAsWritten);
   const std::string bytes = ReadBounded(numbers, kAsWritten);
   try {
-    const Json json = Json::parse(text);
+    const Json json = ParseJson(text);
     if (json.at("format").get<int>() != kFingerprintFormat)
       Refuse(description, fmt::format("format {}", json.at("format").dump()),
              fmt::format("format {}; train the model again", kFingerprintFormat));

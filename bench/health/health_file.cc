@@ -8,6 +8,7 @@
 
 #include "bench/errors/bench_error.h"
 #include "bench/health/health_json.h"
+#include "bench/json_text.h"
 #include "bench/prediction/sealed_json.h"
 #include "bench/sha256.h"
 #include "daq/whole_file.h"
@@ -46,7 +47,7 @@ HealthModel ReadHealthModel(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kFile;
   const std::string text = ReadBounded(file, kExpected);
   try {
-    const Json json = Json::parse(text);
+    const Json json = ParseJson(text);
     if (json.at("health").get<int>() != kFormat)
       Refuse(file, fmt::format("format {}", json.at("health").dump()), fmt::format("format {}", kFormat));
     RequireSeal(file, json);

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/errors/bench_error.h"
+#include "bench/json_text.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -143,7 +144,7 @@ NoticeState ReadNoticeFile(const std::filesystem::path& file, std::string& troub
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return {};
   try {
-    return NoticeStateFrom(json::parse(daq::ReadWholeFile(file)));
+    return NoticeStateFrom(ParseUnorderedJson(daq::ReadWholeFile(file)));
   } catch (const std::exception& wrong) {
     trouble =
         fmt::format("{}: cannot be used, what was sent may be sent again: {}", file.string(), wrong.what());

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/prediction/baseline_file.h"
 
+#include <stdexcept>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bench/errors/bench_error.h"
+#include "bench/json_text.h"
 #include "bench/prediction/sealed_json.h"
 
 namespace strainwave::bench {
@@ -45,7 +48,7 @@ Eigen::RowVectorXd Chosen(const Json& values, const std::vector<std::string>& na
 }
 
 Json ReadUnchanged(const std::filesystem::path& file) {
-  Json json = Json::parse(ReadBounded(file, kBaselineAsWritten));
+  Json json = ParseJson(ReadBounded(file, kBaselineAsWritten));
   if (json.at("format").get<int>() != kFormat) {
     Refuse(file, fmt::format("format {}", json.at("format").dump()), fmt::format("format {}", kFormat));
   }
@@ -92,6 +95,8 @@ std::optional<analysis::prediction::Baseline> BaselineFor(const FeatureRecipe& r
     return analysis::prediction::Baseline{Chosen(json.at("features"), recipe.inputs, file, "input"),
                                           Chosen(json.at("values"), outputs, file, "output")};
   } catch (const Json::exception& error) {
+    Refuse(file, fmt::format("cannot be used: {}", error.what()), kBaselineAsWritten);
+  } catch (const std::invalid_argument& error) {
     Refuse(file, fmt::format("cannot be used: {}", error.what()), kBaselineAsWritten);
   }
 }

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/errors/bench_error.h"
+#include "bench/json_text.h"
 #include "bench/prediction/baseline_file.h"
 #include "bench/prediction/sealed_json.h"
 
@@ -102,7 +103,7 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
   const std::filesystem::path file = folder / kExportedRecipe;
   const std::string text = ReadBounded(file, kExportFolder);
   try {
-    const Json json = Json::parse(text);
+    const Json json = ParseJson(text);
     if (json.at("format") != kExportFormat) {
       Refuse(file, fmt::format("format {}", json.at("format").dump()),
              fmt::format("format {}; export the predictor again", kExportFormat));

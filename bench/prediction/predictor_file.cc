@@ -9,6 +9,7 @@
 
 #include "bench/campaign/folder.h"
 #include "bench/errors/bench_error.h"
+#include "bench/json_text.h"
 #include "bench/prediction/network_json.h"
 #include "daq/arrays_file.h"
 #include "daq/record_error.h"
@@ -182,7 +183,7 @@ Predictor ReadPredictor(const std::filesystem::path& folder) {
   const std::string text = ReadPartOfPredictor(description);
   const std::string bytes = ReadPartOfPredictor(numbers);
   try {
-    const Json json = Json::parse(text);
+    const Json json = ParseJson(text);
     if (json.at("format").get<int>() != kFormat) {
       Refuse(description, fmt::format("format {}", json.at("format").dump()),
              fmt::format("format {}", kFormat));

@@ -34,11 +34,17 @@ void CheckDataChunk(const std::filesystem::path& path) {
   if (!file || std::string_view(head.data(), 4) != "RIFF") return;
   const std::uint64_t size = std::filesystem::file_size(path);
   constexpr std::uint32_t kStreamed = 0xFFFFFFFF;  // a recorder that never knew
+  constexpr int kMostChunks = 10'000;              // a recorder writes a dozen
+  int chunks = 0;
   for (std::uint64_t at = head.size(); at + 8 <= size;) {
+    if (++chunks > kMostChunks)
+      throw RecordError(fmt::format("{}: byte {}", path.string(), at),
+                        fmt::format("{} chunks come before the samples", kMostChunks),
+                        "fewer of them, as recorders write");
     std::array<char, 8> chunk{};
     file.seekg(static_cast<std::streamoff>(at));
     file.read(chunk.data(), chunk.size());
-    const std::uint32_t bytes = Little(chunk.data() + 4);
+    const std::uint64_t bytes = Little(chunk.data() + 4);
     if (std::string_view(chunk.data(), 4) == "data") {
       if (bytes != kStreamed && at + 8 + bytes > size)
         throw RecordError(

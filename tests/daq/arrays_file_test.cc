@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daq/arrays_file.h"
 
+#include <hdf5.h>
+
 #include <fstream>
 
 #include <gtest/gtest.h>
 
+#include "daq/hdf5_handle.h"
 #include "daq/record_error.h"
 #include "daq/whole_file.h"
 #include "tests/daq/scratch_folder.h"
@@ -49,6 +52,28 @@ TEST(ArraysFile, SaysWhatIsWrongWithAFile) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << whole.substr(0, length);
     EXPECT_NE(ErrorOf(path), "no error") << length;
   }
+}
+
+// 2^33 · 2^33 is nothing in 64 bits.
+TEST(ArraysFile, RefusesExtentsWhoseProductIsBeyondAnyNumber) {
+  const ScratchFolder folder;
+  const auto path = folder / "a.h5";
+  {
+    const Hdf5Handle ordered(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+    Check(H5Pset_link_creation_order(ordered.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+    const Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, ordered.get(), H5P_DEFAULT), H5Fclose);
+    constexpr hsize_t kExtents[] = {hsize_t{1} << 33U, hsize_t{1} << 33U};
+    constexpr hsize_t kChunk[] = {16, 16};
+    const Hdf5Handle space(H5Screate_simple(2, kExtents, nullptr), H5Sclose);
+    const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    Check(H5Pset_chunk(creation.get(), 2, kChunk));
+    const Hdf5Handle set(
+        H5Dcreate2(file.get(), "huge", H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+        H5Dclose);
+  }
+  EXPECT_EQ(ErrorOf(path), path.string() +
+                               ": error: HDF5 cannot read the file: array 'huge' is too large (expected the "
+                               "arrays as they were written)");
 }
 
 TEST(ArraysFile, RefusesAShapeThatDoesNotFit) {

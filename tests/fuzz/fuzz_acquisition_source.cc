@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A device that loses, repeats, counts anew, fails and falls silent as it likes: no window without a fault
 // holds anything but samples that the device counted one after the other.
-// sources: bench/monitor/acquisition_source.cc bench/monitor/window.cc bench/prediction/signal_settings.cc
-// sources: bench/prediction/window_sequence.cc
-// sources: daq/acquisition/calibration.cc daq/acquisition/clock_model.cc daq/acquisition/gap_ledger.cc
-// sources: daq/acquisition/teds.cc daq/record.cc daq/record_kind.cc
-// libraries: fmt eigen3
 #include <cstdint>
 #include <cstdlib>
 #include <memory>

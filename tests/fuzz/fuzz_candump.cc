@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any text as a log of can-utils; what is read from it, written again, is read as the same.
-// sources: protocols/candump.cc
-// libraries: fmt
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>

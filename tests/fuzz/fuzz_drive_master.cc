@@ -1,16 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any traffic at the master of an enabled drive: after a trouble nothing moves the drive any more.
-// sources: protocols/canopen/commissioning.cc protocols/canopen/commissioning_steps.cc
-// sources: protocols/canopen/drive_image.cc protocols/canopen/drive_master.cc
-// sources: protocols/canopen/drive_master_cycle.cc protocols/canopen/drive_master_frames.cc
-// sources: protocols/canopen/drive_master_words.cc protocols/canopen/drive_profile.cc
-// sources: protocols/canopen/drive_trouble.cc protocols/canopen/drive_units.cc protocols/canopen/emergency.cc
-// sources: protocols/canopen/heartbeat.cc protocols/canopen/nmt.cc protocols/canopen/pdo.cc
-// sources: protocols/canopen/profile_check.cc protocols/canopen/sdo_abort.cc protocols/canopen/sdo_client.cc
-// sources: protocols/canopen/sdo_client_block.cc protocols/canopen/set_points.cc protocols/canopen/sync.cc
-// sources: protocols/canopen/eds_number.cc protocols/canopen/ini_text.cc protocols/canopen/type_limits.cc
-// sources: protocols/cia402.cc protocols/cia402_modes.cc
-// libraries: fmt
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

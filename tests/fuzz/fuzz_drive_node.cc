@@ -1,17 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any traffic at our own drive: whatever comes, it answers in frames of eight bytes at most, commands finite
 // numbers, and gives its motor no torque in a state without power.
-// sources: protocols/canopen/drive_motion.cc protocols/canopen/drive_node.cc
-// sources: protocols/canopen/drive_objects.cc protocols/canopen/eds_file.cc
-// sources: protocols/canopen/eds_number.cc protocols/canopen/emergency.cc
-// sources: protocols/canopen/emergency_producer.cc protocols/canopen/heartbeat.cc
-// sources: protocols/canopen/heartbeat_guard.cc protocols/canopen/ini_text.cc protocols/canopen/nmt.cc
-// sources: protocols/canopen/nmt_slave.cc protocols/canopen/node_pdos.cc
-// sources: protocols/canopen/object_dictionary.cc protocols/canopen/pdo.cc
-// sources: protocols/canopen/pdo_slot.cc protocols/canopen/power_stage.cc
-// sources: protocols/canopen/sdo_abort.cc protocols/canopen/sdo_server.cc
-// sources: protocols/canopen/type_limits.cc protocols/cia402.cc protocols/cia402_modes.cc
-// libraries: fmt
 #include <algorithm>
 #include <chrono>
 #include <cmath>

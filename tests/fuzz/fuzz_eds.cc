@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any text as an electronic data sheet, and each of its values as a number of any node.
-// sources: protocols/canopen/eds_file.cc protocols/canopen/eds_number.cc protocols/canopen/ini_text.cc
-// sources: protocols/canopen/type_limits.cc
-// libraries: fmt
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any report against any field.
-// sources: protocols/hid_report.cc
-// libraries: fmt
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

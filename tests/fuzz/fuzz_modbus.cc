@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any answer to any request, any registers of any type, and any map.
-// sources: protocols/modbus/pdu.cc protocols/modbus/read_plan.cc protocols/modbus/register_codec.cc
-// sources: protocols/modbus/register_map.cc protocols/modbus/write_plan.cc
-// libraries: fmt
 #include <cstdint>
 #include <cstdlib>
 #include <span>

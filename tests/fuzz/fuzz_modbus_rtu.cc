@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes on a serial line after each request, with a right checksum or none: what is taken for the answer
 // is a whole frame of the unit asked, with its checksum, that came after the request.
-// sources: bench/devices/modbus/modbus_rtu.cc bench/devices/modbus/modbus_tcp.cc
-// sources: bench/devices/modbus/modbus_transport.cc protocols/modbus/pdu.cc protocols/modbus/register_map.cc
-// libraries: fmt libmodbus
 #include "bench/devices/modbus/modbus_rtu.h"
 #include "tests/fuzz/modbus_asking.h"
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any stream of bytes over a Modbus TCP connection: what is taken for the answer is a whole frame in it, with
 // the number of the request and the unit asked.
-// sources: bench/devices/modbus/modbus_rtu.cc bench/devices/modbus/modbus_tcp.cc
-// sources: bench/devices/modbus/modbus_transport.cc protocols/modbus/pdu.cc protocols/modbus/register_map.cc
-// libraries: fmt libmodbus
 #include "bench/devices/modbus/modbus_tcp.h"
 #include "tests/fuzz/modbus_asking.h"
 

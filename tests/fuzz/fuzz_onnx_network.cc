@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as an exported network: what is taken runs, all else is refused before OpenCV sees it.
-// sources: bench/prediction/onnx_network.cc
-// libraries: fmt eigen3 protobuf
-// flags: -isystem /usr/include/opencv4 -DONNX_ML=1 -DONNX_NAMESPACE=onnx
-// flags: -lonnx_proto -lopencv_dnn -lopencv_core
 #include <cstdint>
 #include <stdexcept>
 #include <string>

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any node's answers to an SDO client: it ends, and never with a value that no node gave.
-// sources: protocols/canopen/sdo_client.cc protocols/canopen/sdo_client_block.cc
-// sources: protocols/canopen/sdo_abort.cc
-//
-// libraries: fmt
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

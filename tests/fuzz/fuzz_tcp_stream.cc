@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes to the decoder of a TCP stream, cut into pieces as the first byte says. The CRCs that no fuzzer
 // guesses are put right where a message begins, so that what is behind them is reached too.
-// sources: daq/acquisition/calibration.cc daq/acquisition/sources/tcp_stream_decoder.cc
-// sources: daq/acquisition/sources/tcp_stream_hello.cc daq/acquisition/teds.cc daq/crc32.cc daq/record.cc daq/record_kind.cc
-// libraries: fmt zlib
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

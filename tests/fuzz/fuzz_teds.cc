@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any first 64 bits of a sensor's data sheet, and any text in its fields: what is taken is written back
 // as the same bits, and reads back from the attributes of a file as the same calibration.
-// sources: daq/acquisition/calibration.cc daq/acquisition/teds.cc daq/record.cc daq/record_kind.cc
-// libraries: fmt
 #include <algorithm>
 #include <array>
 #include <cmath>

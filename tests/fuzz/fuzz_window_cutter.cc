@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any stream of a device that counts its samples, cut by any rule: a window without a fault holds
 // consecutive samples, as many as the rule says, and no sample is in two windows.
-// sources: bench/monitor/window.cc bench/prediction/signal_settings.cc bench/prediction/window_sequence.cc
-// libraries: fmt eigen3
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -131,11 +131,21 @@ TEST(HostState, IsReadInBothVersions) {
   }
 }
 
+// A broker passes on 256 MB.
+TEST(HostState, IsNoneThatIsTooLong) {
+  const std::string word = R"({"online": true, "timestamp": 1})";
+  EXPECT_TRUE(ParseHostState(word + std::string(4096 - word.size(), ' ')).has_value());
+  EXPECT_FALSE(ParseHostState(word + std::string(4097 - word.size(), ' ')).has_value());
+}
+
 TEST(AsksForRebirth, OnlyWhenTheControlIsTrue) {
   const std::string name = "\x0a\x14Node Control/Rebirth"s;
   EXPECT_TRUE(AsksForRebirth("\x12\x1a"s + name + "\x20\x0b\x70\x01"s));
   EXPECT_FALSE(AsksForRebirth("\x12\x1a"s + name + "\x20\x0b\x70\x00"s));
   EXPECT_FALSE(AsksForRebirth("nonsense"));
+  std::string long_one;
+  while (long_one.size() <= std::size_t{1} << 20U) long_one += "\x12\x1a"s + name + "\x20\x0b\x70\x01"s;
+  EXPECT_FALSE(AsksForRebirth(long_one));
 }
 
 }  // namespace

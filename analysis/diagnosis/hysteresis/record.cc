@@ -222,7 +222,7 @@ void AppendStepRates(std::span<const double> times_s, std::span<const double> to
     if (!std::isnan(grid.turn_Nm[base + i])) breaks.push_back(i - 1);
   }
   std::ranges::sort(breaks);
-  breaks.erase(std::ranges::unique(breaks).begin(), breaks.end());
+  breaks.erase(std::unique(breaks.begin(), breaks.end()), breaks.end());
   std::vector<double> rates = SlopesWithoutNoise(times_s, torque_Nm, noise_Nm, breaks);
   for (std::size_t i = 1; i + 1 < rates.size(); ++i) {
     if (!std::isnan(grid.turn_Nm[base + i])) rates[i] = rates[i + 1];

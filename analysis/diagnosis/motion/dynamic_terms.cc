@@ -73,12 +73,13 @@ double FreeOscillationDrop(const MotionGrid& grid, const WeightedResidual& resid
   const std::complex<double> usual_turn = std::exp(exponent * grid.row_spacing_s);
   double drop = 0.0;
   for (const std::size_t segment : beginnings) {
-    const auto rows = std::ranges::equal_range(grid.segment_of_row, segment);
+    const auto [begin, end] =
+        std::equal_range(grid.segment_of_row.begin(), grid.segment_of_row.end(), segment);
     double before_s = grid.time_s[grid.segments[segment].first];
     std::complex<double> oscillation = 1.0;
     std::complex<double> along = 0.0;
     double squares = 0.0;
-    for (auto it = rows.begin(); it != rows.end(); ++it) {
+    for (auto it = begin; it != end; ++it) {
       const auto row = static_cast<std::size_t>(it - grid.segment_of_row.begin());
       const double step_s = grid.RowTime_s(row) - before_s;
       before_s += step_s;

@@ -121,8 +121,9 @@ std::vector<double> FindExcitedFrequencies(const VibrationResidual& residual, do
   }
   std::ranges::sort(excited, std::greater<>());
   std::vector<double> frequencies_Hz;
-  for (const auto& [power, frequency_Hz] : excited) {
+  for (const auto& found : excited) {
     if (frequencies_Hz.size() == count) break;
+    const double frequency_Hz = found.second;
     const bool near = std::ranges::any_of(frequencies_Hz, [&](double other_Hz) {
       return std::abs(std::log(frequency_Hz / other_Hz)) < std::log(kApart);
     });

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace strainwave::bench {
+
+/// Reads JSON that may come from anywhere. The library reads any depth, and then copies and writes it by
+/// calls as deep; it looks for a key of an ordered object in all that came before.
+/// @throws nlohmann's exception for what is no JSON; std::invalid_argument for more than 64 MiB of text,
+///   100 levels, 10000 keys of one object, or a million of all.
+nlohmann::ordered_json ParseJson(std::string_view text);
+/// The same, keys by name.
+nlohmann::json ParseUnorderedJson(std::string_view text);
+
+}  // namespace strainwave::bench
