@@ -2,6 +2,7 @@
 #include "bench/campaign/salvage_note.h"
 
 #include <fmt/core.h>
+#include <sqlite3.h>
 #include <nlohmann/json.hpp>
 
 namespace strainwave::bench {
@@ -28,12 +29,19 @@ void KeepSalvageNote(Journal& journal, const SalvageNote& note) {
 std::optional<SalvageNote> SalvageNoteOf(const Journal& journal) {
   const auto text = journal.Property(kSalvage);
   if (!text) return std::nullopt;
-  return nlohmann::json::parse(*text).get<SalvageNote>();
+  // A property of the journal may be anything in a folder from elsewhere.
+  try {
+    return nlohmann::json::parse(*text).get<SalvageNote>();
+  } catch (const nlohmann::json::exception&) {
+    throw DatabaseError(
+        journal.database().file(), SQLITE_CORRUPT,
+        fmt::format("the property '{}' cannot be read (expected it as the program has kept it)", kSalvage));
+  }
 }
 
 std::string Words(const SalvageNote& note) {
-  return fmt::format("salvaged from {} at {}: {} file(s), {} record(s) and {} row(s) are lost", note.from, note.utc,
-                     note.files_lost.size(), note.records_lost.size(), RowsLost(note));
+  return fmt::format("salvaged from {} at {}: {} file(s), {} record(s) and {} row(s) are lost", note.from,
+                     note.utc, note.files_lost.size(), note.records_lost.size(), RowsLost(note));
 }
 
 std::string JsonText(const SalvageNote& note) { return nlohmann::json(note).dump(); }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -120,7 +121,12 @@ std::vector<int> IncompleteCycles(const Database& damaged, const Journal& journa
   try {
     constexpr std::string_view kCycle = "cycle ";
     for (const BrokenLink& link : CheckChain(damaged, journal.database(), SIZE_MAX).broken) {
-      if (link.what.starts_with(kCycle)) cycles.push_back(std::stoi(link.what.substr(kCycle.size())));
+      int cycle = 0;
+      const char* const end = link.what.data() + link.what.size();
+      if (link.what.starts_with(kCycle) &&
+          std::from_chars(link.what.data() + kCycle.size(), end, cycle).ptr == end) {
+        cycles.push_back(cycle);
+      }
     }
   } catch (const DatabaseError&) {
     for (const CycleRow& row : journal.Cycles()) {
