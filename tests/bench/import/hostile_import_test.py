@@ -60,6 +60,16 @@ class Hostile(Import):
         columns, _, _ = self.convert(path, "--map", self.map({"accel_x_m_per_s2": {"from": "m/299", "unit": "g"}}, rate="1 kHz"))
         self.assertEqual(len(columns["accel_x_m_per_s2"]), 602)
 
+    def test_chunks_whose_sizes_lead_nowhere_are_refused(self):
+        mapping = self.map({"accel_x_m_per_s2": {"from": "1"}})
+        head = b"RIFF\xff\xff\xff\xffWAVE"
+        for size in (0xFFFFFFF7, 0xFFFFFFF8, 0xFFFFFFFF):  # what comes behind them lies before them in 32 bits
+            path = self.write("a.wav", head + b"LIST" + size.to_bytes(4, "little") + bytes(16))
+            self.assertRegex(self.refused(path, "--map", mapping), r"^a\.wav: error: cannot be read: [^\n]+ \(expected WAV or FLAC\)$")
+        path = self.write("a.wav", head + b"LIST\0\0\0\0" * 10_001)
+        self.assertEqual(self.refused(path, "--map", mapping),
+                         "a.wav: byte 80012: error: 10000 chunks come before the samples (expected fewer of them, as recorders write)")
+
 
 if __name__ == "__main__":
     import_test.PROGRAM = sys.argv.pop(1)
