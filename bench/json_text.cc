@@ -81,4 +81,11 @@ nlohmann::json ParseUnorderedJson(std::string_view text) {
   return nlohmann::json::parse(text);
 }
 
+std::string ShortText(const nlohmann::ordered_json& value) {
+  constexpr std::size_t kLongest = 60;
+  std::string text = value.dump(-1, ' ', true);  // in ASCII, to be cut anywhere
+  if (text.size() > kLongest) text.replace(kLongest, std::string::npos, "...");
+  return text;
+}
+
 }  // namespace strainwave::bench

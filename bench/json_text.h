@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,5 +15,8 @@ namespace strainwave::bench {
 nlohmann::ordered_json ParseJson(std::string_view text);
 /// The same, keys by name.
 nlohmann::json ParseUnorderedJson(std::string_view text);
+
+/// A value for a message: its text, of a long one the first 60 bytes.
+std::string ShortText(const nlohmann::ordered_json& value);
 
 }  // namespace strainwave::bench

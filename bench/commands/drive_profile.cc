@@ -88,6 +88,12 @@ int WriteDraft(const DriveProfileOptions& options) {
   for (const auto& finding : draft.findings)
     warnings.push_back(
         fmt::format("{}:{}:{}: warning: {}", options.eds, finding.line, finding.column, finding.what));
+  constexpr std::size_t kMostWarnings = 1000;
+  if (warnings.size() > kMostWarnings) {
+    const std::size_t not_kept = warnings.size() - kMostWarnings;
+    warnings.resize(kMostWarnings);
+    warnings.push_back(fmt::format("{}: warning: {} more are not shown", options.eds, not_kept));
+  }
   for (const std::string& warning : warnings) ToStderr("{}\n", warning);
   if (options.json) {
     nlohmann::ordered_json report{{"eds", options.eds}};

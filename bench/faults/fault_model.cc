@@ -137,7 +137,7 @@ FaultModel ReadFaultModel(const std::filesystem::path& folder) {
   try {
     const Json json = ParseJson(text);
     if (json.at("format").get<int>() != kFaultFormat)
-      Refuse(path, fmt::format("format {}", json.at("format").dump()),
+      Refuse(path, fmt::format("format {}", ShortText(json.at("format"))),
              fmt::format("format {}", kFaultFormat));
     RequireSeal(path, json);
     if (Sha256(TextOfModel(folder / "predictor.json")) != json.at("predictor_sha256").get<std::string>())

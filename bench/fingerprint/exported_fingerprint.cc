@@ -89,7 +89,7 @@ ExportedFingerprint::Parts ExportedFingerprint::Read(const std::filesystem::path
   try {
     const Json json = ParseJson(ReadBounded(file, kExportedAsWritten));
     if (json.at("format") != kFingerprintExportFormat)
-      Refuse(file, fmt::format("format {}", json.at("format").dump()),
+      Refuse(file, fmt::format("format {}", ShortText(json.at("format"))),
              fmt::format("format {}; export the model again", kFingerprintExportFormat));
     RequireSeal(file, json);
     for (const char* card : {"model_card_json", "model_card_md"})

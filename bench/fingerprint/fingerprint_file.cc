@@ -196,7 +196,7 @@ FingerprintModel ReadFingerprintModel(const std::filesystem::path& folder) {
   try {
     const Json json = ParseJson(text);
     if (json.at("format").get<int>() != kFingerprintFormat)
-      Refuse(description, fmt::format("format {}", json.at("format").dump()),
+      Refuse(description, fmt::format("format {}", ShortText(json.at("format"))),
              fmt::format("format {}; train the model again", kFingerprintFormat));
     RequireSeal(description, json);
     if (Sha256(bytes) != json.at("numbers").at("sha256").get<std::string>())

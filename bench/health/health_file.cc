@@ -49,7 +49,7 @@ HealthModel ReadHealthModel(const std::filesystem::path& folder) {
   try {
     const Json json = ParseJson(text);
     if (json.at("health").get<int>() != kFormat)
-      Refuse(file, fmt::format("format {}", json.at("health").dump()), fmt::format("format {}", kFormat));
+      Refuse(file, fmt::format("format {}", ShortText(json.at("health"))), fmt::format("format {}", kFormat));
     RequireSeal(file, json);
     if (Sha256(ReadBounded(folder / "predictor.json", kExpected)) !=
         json.at("predictor_sha256").get<std::string>())

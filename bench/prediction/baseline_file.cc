@@ -50,7 +50,7 @@ Eigen::RowVectorXd Chosen(const Json& values, const std::vector<std::string>& na
 Json ReadUnchanged(const std::filesystem::path& file) {
   Json json = ParseJson(ReadBounded(file, kBaselineAsWritten));
   if (json.at("format").get<int>() != kFormat) {
-    Refuse(file, fmt::format("format {}", json.at("format").dump()), fmt::format("format {}", kFormat));
+    Refuse(file, fmt::format("format {}", ShortText(json.at("format"))), fmt::format("format {}", kFormat));
   }
   RequireSeal(file, json);
   return json;
@@ -89,7 +89,7 @@ std::optional<analysis::prediction::Baseline> BaselineFor(const FeatureRecipe& r
     const Json& own = json.at("recipe");
     for (const auto& [key, value] : wanted.items()) {
       if (own.value(key, Json()) == value) continue;
-      Refuse(file, fmt::format("{} of its features is {}", key, own.value(key, Json()).dump()),
+      Refuse(file, fmt::format("{} of its features is {}", key, ShortText(own.value(key, Json()))),
              fmt::format("{}, as the predictor's", value.dump()));
     }
     return analysis::prediction::Baseline{Chosen(json.at("features"), recipe.inputs, file, "input"),

@@ -105,13 +105,13 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
   try {
     const Json json = ParseJson(text);
     if (json.at("format") != kExportFormat) {
-      Refuse(file, fmt::format("format {}", json.at("format").dump()),
+      Refuse(file, fmt::format("format {}", ShortText(json.at("format"))),
              fmt::format("format {}; export the predictor again", kExportFormat));
     }
     RequireUnchanged(folder, file, json);
     const bool classes = json.at("predicts") == NameOf(OnnxNetwork::Predicts::kClasses);
     if (!classes && json.at("predicts") != NameOf(OnnxNetwork::Predicts::kValues)) {
-      Refuse(file, fmt::format("it predicts {}", json.at("predicts").dump()), "values or classes");
+      Refuse(file, fmt::format("it predicts {}", ShortText(json.at("predicts"))), "values or classes");
     }
     Parts parts{.recipe = RecipeFrom(json.at("recipe"), file),
                 .predicts = classes ? OnnxNetwork::Predicts::kClasses : OnnxNetwork::Predicts::kValues,

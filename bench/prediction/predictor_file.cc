@@ -185,7 +185,7 @@ Predictor ReadPredictor(const std::filesystem::path& folder) {
   try {
     const Json json = ParseJson(text);
     if (json.at("format").get<int>() != kFormat) {
-      Refuse(description, fmt::format("format {}", json.at("format").dump()),
+      Refuse(description, fmt::format("format {}", ShortText(json.at("format"))),
              fmt::format("format {}", kFormat));
     }
     if (Sha256(bytes) != json.at("numbers").at("sha256").get<std::string>()) {

@@ -50,6 +50,12 @@ TEST(JsonText, RefusesObjectsOfTooManyKeys) {
   EXPECT_EQ(RefusalOf("[" + Repeated(R"({"a":1},)", 1'000'001) + "1]"), "it has more than 1000000 keys");
 }
 
+TEST(JsonText, ShortensAValueForAMessage) {
+  EXPECT_EQ(ShortText({{"a", {1, "x"}}}), R"({"a":[1,"x"]})");
+  EXPECT_EQ(ShortText(std::string(58, 'x')), '"' + std::string(58, 'x') + '"');
+  EXPECT_EQ(ShortText(std::string(59, 'x')), '"' + std::string(59, 'x') + "...");
+}
+
 TEST(JsonText, RefusesTextsThatAreTooLong) {
   EXPECT_EQ(RefusalOf("[" + std::string(std::size_t{64} << 20U, ' ')),
             "67108865 bytes of JSON are too many, at most 64 MiB are read");

@@ -213,9 +213,10 @@ def run(program, arguments, folder, file):
     return process.returncode, messages, used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
 
 
-def complaint(code, messages, processor_s, memory_bytes):
+def complaint(name, code, messages, processor_s, memory_bytes):
     """What is wrong with an end, in words; empty: nothing."""
-    if code not in (0, 2):
+    # What the program itself has kept and cannot read any more is the disk's fault.
+    if code not in ((2, 3) if name.startswith("campaign.") else (0, 2)):
         return f"exit code {code}"
     if code == 2 and ("error: " not in messages or "expected" not in messages):
         return "no message says what was expected"
@@ -238,7 +239,7 @@ def main():
             for path, content in files.items():
                 content.write(folder / path)
             code, messages, processor_s, memory_bytes = run(program, arguments, folder, folder / next(iter(files)))
-        wrong = complaint(code, messages, processor_s, memory_bytes)
+        wrong = complaint(name, code, messages, processor_s, memory_bytes)
         count += 1
         most_s, most_bytes = max(most_s, processor_s), max(most_bytes, memory_bytes)
         first = "".join(messages.replace(made + "/", "").splitlines()[:1])
