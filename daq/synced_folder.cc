@@ -18,6 +18,10 @@ void SyncFolder(const std::filesystem::path& folder) {
   }
 }
 
+void SyncFolderOf(const std::filesystem::path& file) {
+  SyncFolder(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+}
+
 bool MakeFolders(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> missing;
   for (auto path = std::filesystem::absolute(folder); !std::filesystem::exists(path);

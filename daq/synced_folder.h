@@ -10,6 +10,9 @@ namespace strainwave::daq {
 /// @throws DataFileError.
 void SyncFolder(const std::filesystem::path& folder);
 
+/// Of the folder that a file lies in.
+void SyncFolderOf(const std::filesystem::path& file);
+
 /// Makes a folder, and those that it lies in, where they are missing; with their names they are on the disk
 /// then. One that may not be read cannot be synced; a name in it is left to the file system.
 /// @return whether there was any to make.

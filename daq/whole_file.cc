@@ -91,7 +91,7 @@ void WriteFileAtomically(const std::filesystem::path& path, std::span<const std:
     throw DataFileError(LastError(), "cannot rename the finished file to", path.string());
   }
   partial.set_owned(false);
-  SyncFolder(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
+  SyncFolderOf(path);
 }
 
 void WriteFileAtomically(const std::filesystem::path& path, const std::string& text) {

@@ -132,6 +132,18 @@ class Beginning {
   std::vector<std::filesystem::path> made_;
 };
 
+// Records that a run reads when its shafts can move already: a damaged file, of which the HDF5 library may
+// crash, is found here.
+void DemandReadable(const std::filesystem::path& unfinished) {
+  for (const auto& entry : std::filesystem::directory_iterator(unfinished)) {
+    if (entry.path().extension() != ".h5") continue;
+    daq::ReadInOwnProcess(entry.path(), daq::LimitsForFile(entry.path()), [&] {
+      daq::ReadCycleFile(entry.path(), daq::Checking::kNone);
+      return std::vector<daq::Record>();
+    });
+  }
+}
+
 }  // namespace
 
 Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs) {
@@ -213,22 +225,6 @@ std::string ExtendCampaign(const CampaignFolder& folder, const CampaignInputs& g
   transaction.Commit();
   return words;
 }
-
-namespace {
-
-// Records that a run reads when its shafts can move already: a damaged file, of which the HDF5 library may
-// crash, is found here.
-void DemandReadable(const std::filesystem::path& unfinished) {
-  for (const auto& entry : std::filesystem::directory_iterator(unfinished)) {
-    if (entry.path().extension() != ".h5") continue;
-    daq::ReadInOwnProcess(entry.path(), daq::LimitsForFile(entry.path()), [&] {
-      daq::ReadCycleFile(entry.path(), daq::Checking::kNone);
-      return std::vector<daq::Record>();
-    });
-  }
-}
-
-}  // namespace
 
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
                                          Journal& journal, bool accept_pause) {

@@ -328,6 +328,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
     records_sha256 = Sha256OfFile(folder_.CycleFile(cycle_));
   }
   held_.DemandInPlace();
+  const std::vector<KeptFile> kept = FilesOfCycle(folder_, cycle_);
   {
     Transaction transaction(journal_.database());
     journal_.ClearResults(cycle_);
@@ -337,7 +338,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
     }
     for (const Calibration& calibration : stored.calibrations) journal_.SetCalibration(calibration, UtcNow());
     journal_.EndCycle(cycle_, Time_s(), "complete", records_sha256);
-    RegisterFilesOfCycle(folder_, journal_, cycle_);
+    for (const KeptFile& file : kept) journal_.AddFile(file.path, file.digest);
     KeepSampleTotals(journal_);
     transaction.Commit();
   }

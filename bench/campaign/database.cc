@@ -162,7 +162,7 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
   if (mode == Mode::kReadWrite) {
     KeepLog();
     // SQLite syncs the name of its log, too, but does not look whether that succeeded.
-    daq::SyncFolder(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+    daq::SyncFolderOf(file);
   }
   Execute("PRAGMA synchronous=FULL");
   Execute("PRAGMA foreign_keys=ON");

@@ -134,12 +134,14 @@ Journal Journal::OfFile(const std::filesystem::path& file, Database::Mode mode,
 
 void Journal::AddTables() {
   AddAlarmTables();
-  if (version_ == kVersionWithoutChecksums || HasChain(database_)) return;
+  if (!is_chained() || HasChain(database_)) return;
   Transaction transaction(database_);
   // Another program may have been quicker.
   if (!HasChain(database_)) BeginChain(database_);
   transaction.Commit();
 }
+
+bool Journal::is_chained() const { return version_ != kVersionWithoutChecksums; }
 
 std::string Journal::Unchecked() const {
   if (version_ == kVersionWithoutChecksums) {

@@ -218,7 +218,7 @@ class Journal {
   std::vector<Hole> Holes() const;
   /// Registers a file beside the cycles' own: a picture, a raw stream, what is kept of a fault.
   /// @param path  from the campaign's folder on, with slashes. Registered anew, the last one counts.
-  void AddFile(std::string_view path, std::uint64_t bytes, std::string_view sha256);
+  void AddFile(std::string_view path, const FileDigest& digest);
   std::map<std::string, FileDigest> Files() const;
   void SetCalibration(const Calibration& calibration, std::string_view utc);
   std::optional<Calibration> FindCalibration(std::string_view name) const;
@@ -232,6 +232,8 @@ class Journal {
   /// chain (`journal_chain.h`).
   void AddTables();
   void AddAlarmTables();
+  /// Of a journal that is open to be written.
+  bool is_chained() const;
   /// Both or none: a new row, and its link in the chain. @return the row's number.
   std::int64_t AddChained(ChainedRow kind, Statement& insert);
   std::vector<AlarmInstance> AlarmsOfEvents() const;

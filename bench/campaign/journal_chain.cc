@@ -139,6 +139,18 @@ std::int64_t LinksOf(const Database& database, const ChainedKind& kind) {
   return statement.Integer(0);
 }
 
+void Append(const Database& database, const ChainedKind& kind, std::string_view key, RowsOfKind& rows) {
+  const auto bytes = rows.Bytes(key);
+  Statement last = database.Prepare("SELECT sha256 FROM chain ORDER BY number DESC LIMIT 1");
+  const std::string before = last.Step() ? last.Text(0) : kLinkBeforeTheFirst;
+  last.Reset();
+  database.Prepare("INSERT INTO chain(kind, key, sha256) VALUES(?, ?, ?)")
+      .Bind(std::string_view(kind.name))
+      .Bind(key)
+      .Bind(std::string_view(LinkAfter(before, kind.name, key, bytes.value_or(""))))
+      .Run();
+}
+
 }  // namespace
 
 bool HasChain(const Database& database) { return HasTable(database, "chain"); }
@@ -158,20 +170,15 @@ void AddAllLinks(const Database& database) {
 }
 
 void AddLinks(const Database& database, ChainedRow row) {
-  for (const std::string& key : KeysOf(database, KindOf(row))) AddLink(database, row, key);
+  const ChainedKind& kind = KindOf(row);
+  RowsOfKind rows(database, kind);
+  for (const std::string& key : KeysOf(database, kind)) Append(database, kind, key, rows);
 }
 
 void AddLink(const Database& database, ChainedRow row, std::string_view key) {
   const ChainedKind& kind = KindOf(row);
-  const auto bytes = RowsOfKind(database, kind).Bytes(key);
-  Statement last = database.Prepare("SELECT sha256 FROM chain ORDER BY number DESC LIMIT 1");
-  const std::string before = last.Step() ? last.Text(0) : kLinkBeforeTheFirst;
-  last.Reset();
-  database.Prepare("INSERT INTO chain(kind, key, sha256) VALUES(?, ?, ?)")
-      .Bind(std::string_view(kind.name))
-      .Bind(key)
-      .Bind(std::string_view(LinkAfter(before, kind.name, key, bytes.value_or(""))))
-      .Run();
+  RowsOfKind rows(database, kind);
+  Append(database, kind, key, rows);
 }
 
 ChainReport CheckChain(const Database& database) { return CheckChain(database, database, kBrokenShown); }

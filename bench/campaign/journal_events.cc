@@ -29,17 +29,17 @@ std::int64_t Journal::AddChained(ChainedRow kind, Statement& insert) {
   Savepoint both(database_);
   insert.Run();
   const std::int64_t number = database_.LastInsertId();
-  if (HasChain(database_)) AddLink(database_, kind, std::to_string(number));
+  if (is_chained()) AddLink(database_, kind, std::to_string(number));
   both.Release();
   return number;
 }
 
-void Journal::AddFile(std::string_view path, std::uint64_t bytes, std::string_view sha256) {
-  if (!HasChain(database_)) return;
+void Journal::AddFile(std::string_view path, const FileDigest& digest) {
+  if (!is_chained()) return;
   AddChained(ChainedRow::kFile, database_.Prepare("INSERT INTO files(path, bytes, sha256) VALUES(?, ?, ?)")
                                     .Bind(path)
-                                    .Bind(static_cast<std::int64_t>(bytes))
-                                    .Bind(sha256));
+                                    .Bind(static_cast<std::int64_t>(digest.bytes))
+                                    .Bind(std::string_view(digest.sha256)));
 }
 
 std::map<std::string, FileDigest> Journal::Files() const {

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <string>
-#include <vector>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -28,35 +27,43 @@ std::vector<fs::path> FilesIn(const fs::path& folder) {
   return files;
 }
 
-void Register(const CampaignFolder& folder, Journal& journal, const fs::path& file) {
-  journal.AddFile(file.lexically_relative(folder.root).generic_string(), fs::file_size(file),
-                  Sha256OfFile(file));
+std::string PathIn(const CampaignFolder& folder, const fs::path& file) {
+  return file.lexically_relative(folder.root).generic_string();
+}
+
+KeptFile Kept(const CampaignFolder& folder, const fs::path& file) {
+  return {PathIn(folder, file), {fs::file_size(file), Sha256OfFile(file)}};
 }
 
 }  // namespace
 
-void RegisterFilesOfCycle(const CampaignFolder& folder, Journal& journal, int cycle) {
+std::vector<KeptFile> FilesOfCycle(const CampaignFolder& folder, int cycle) {
+  std::vector<KeptFile> kept;
   const fs::path picture = folder.CycleFile(cycle).replace_extension(".jpg");
-  if (fs::exists(picture)) Register(folder, journal, picture);
+  if (fs::exists(picture)) kept.push_back(Kept(folder, picture));
   const std::string own = fmt::format("{:06d}-", cycle);
   for (const fs::path& file : FilesIn(folder.Streams())) {
-    if (file.filename().string().starts_with(own)) Register(folder, journal, file);
+    if (file.filename().string().starts_with(own)) kept.push_back(Kept(folder, file));
   }
+  return kept;
 }
 
 void RegisterFiles(const CampaignFolder& folder, Journal& journal) {
   const auto registered = journal.Files();
-  Transaction transaction(journal.database());
+  std::vector<KeptFile> changed;
   for (const fs::path& place :
        {folder.Cycles(), folder.Streams(), folder.Faults(), folder.BusLogs(), folder.Pictures()}) {
     for (const fs::path& file : FilesIn(place)) {
       if (place == folder.Cycles() && file.extension() == kRecords) continue;
-      const auto known = registered.find(file.lexically_relative(folder.root).generic_string());
-      const bool same = known != registered.end() && known->second.bytes == fs::file_size(file) &&
-                        (place != folder.Pictures() || known->second.sha256 == Sha256OfFile(file));
-      if (!same) Register(folder, journal, file);
+      const auto known = registered.find(PathIn(folder, file));
+      const bool may_be_same = known != registered.end() && known->second.bytes == fs::file_size(file);
+      if (may_be_same && place != folder.Pictures()) continue;
+      KeptFile kept = Kept(folder, file);
+      if (!may_be_same || known->second.sha256 != kept.digest.sha256) changed.push_back(std::move(kept));
     }
   }
+  Transaction transaction(journal.database());
+  for (const KeptFile& kept : changed) journal.AddFile(kept.path, kept.digest);
   transaction.Commit();
 }
 

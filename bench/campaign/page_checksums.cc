@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "bench/campaign/sqlite_number.h"
 #include "daq/crc32.h"
 #include "daq/file_descriptor.h"
 
@@ -42,12 +43,6 @@ Checksum ChecksumOf(std::span<const std::byte, kPage_bytes> page, std::uint32_t 
 
 bool IsZero(std::span<const std::byte> bytes) {
   return std::ranges::all_of(bytes, [](std::byte byte) { return byte == std::byte{0}; });
-}
-
-std::uint32_t BigEndian(std::span<const std::byte> header, std::size_t at) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < 4; ++i) number = number << 8 | std::to_integer<std::uint32_t>(header[at + i]);
-  return number;
 }
 
 class Pages {
@@ -97,8 +92,8 @@ std::optional<PageReport> CheckPages(const std::filesystem::path& file, std::uin
   std::array<std::byte, kDatabaseHeader_bytes> header{};
   if (pages.Read(header, 0) < header.size()) return std::nullopt;
   // Either will do, so that no flipped bit makes the file one without checksums.
-  const bool says_so =
-      BigEndian(header, kApplicationIdAt) == application_id && BigEndian(header, kUserVersionAt) == version;
+  const bool says_so = SqliteNumber(header, kApplicationIdAt) == application_id &&
+                       SqliteNumber(header, kUserVersionAt) == version;
   if (!HasPageChecksums(header) && !says_so) return std::nullopt;
 
   PageReport report;
@@ -117,8 +112,8 @@ std::optional<PageReport> CheckPages(const std::filesystem::path& file, std::uin
       if (state == PageState::kNeverWritten) ++never_written;
     }
   }
-  report.cut = report.cut || report.pages < BigEndian(header, kPageCountAt) ||
-               never_written > BigEndian(header, kFreePagesAt);
+  report.cut = report.cut || report.pages < SqliteNumber(header, kPageCountAt) ||
+               never_written > SqliteNumber(header, kFreePagesAt);
   return report;
 }
 

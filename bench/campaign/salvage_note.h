@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "bench/campaign/journal.h"
 
 namespace strainwave::bench {
@@ -32,6 +34,6 @@ std::optional<SalvageNote> SalvageNoteOf(const Journal& journal);
 
 /// "salvaged from DIR at UTC: 2 file(s), 1 record(s) and 0 row(s) are lost".
 std::string Words(const SalvageNote& note);
-std::string JsonText(const SalvageNote& note);
+nlohmann::json Json(const SalvageNote& note);
 
 }  // namespace strainwave::bench

@@ -2,16 +2,15 @@
 #include "bench/campaign/sample_totals.h"
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include <fmt/format.h>
-#include <sqlite3.h>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/acquisition_results.h"
+#include "bench/campaign/json_property.h"
 
 namespace strainwave::bench {
 namespace {
@@ -26,22 +25,15 @@ struct Totals {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Totals, last_cycle, received, lost)
 
-// A property of the journal may be anything in a folder from elsewhere.
-Totals TotalsIn(const std::string& kept, const std::filesystem::path& file) {
-  try {
-    auto totals = nlohmann::json::parse(kept).get<Totals>();
-    if (totals.last_cycle >= -1 && totals.last_cycle < std::numeric_limits<int>::max()) return totals;
-  } catch (const nlohmann::json::exception&) {
-  }
-  throw DatabaseError(
-      file, SQLITE_CORRUPT,
-      fmt::format("the property '{}' cannot be read (expected it as the program has kept it)", kTotals));
-}
-
 Totals TotalsOf(const Journal& journal) {
   Totals totals;
   // Journals of earlier programs have none: every cycle is read.
-  if (const auto kept = journal.Property(kTotals)) totals = TotalsIn(*kept, journal.database().file());
+  ReadJsonProperty(journal, kTotals, [&](const nlohmann::json& kept) {
+    totals = kept.get<Totals>();
+    if (totals.last_cycle < -1 || totals.last_cycle == std::numeric_limits<int>::max()) {
+      throw std::invalid_argument("last_cycle is no cycle");
+    }
+  });
   const auto source_of = [](const CycleResult& row, std::string_view prefix) {
     return row.result.quantity.substr(prefix.size());
   };

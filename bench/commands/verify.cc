@@ -143,7 +143,7 @@ ExitCode CodeOf(Verdict verdict) {
 }
 
 nlohmann::json SalvageJson(const std::string& out, const SalvageNote& note) {
-  nlohmann::json json = nlohmann::json::parse(JsonText(note));
+  nlohmann::json json = Json(note);
   json["out"] = out;
   return json;
 }

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 // What the journal says of files, as far as it can be read.
 struct Expected {
-  std::map<std::string, FileDigest> files;
+  std::map<std::string, std::string> files;  // SHA-256 by path; empty: not known
   int complete{};
   std::optional<SalvageNote> salvaged;
 };
@@ -34,10 +34,10 @@ std::string PathIn(const CampaignFolder& folder, const fs::path& file) {
 
 Expected ExpectedFiles(const CampaignFolder& folder, const Journal& journal) {
   Expected expected;
-  expected.files = journal.Files();
+  for (const auto& [path, digest] : journal.Files()) expected.files[path] = digest.sha256;
   for (const FrozenFile& frozen : FrozenFiles(folder)) {
     const auto sha256 = journal.Property(frozen.property);
-    if (sha256 && !sha256->empty()) expected.files[PathIn(folder, frozen.file)] = {0, *sha256};
+    if (sha256 && !sha256->empty()) expected.files[PathIn(folder, frozen.file)] = *sha256;
   }
   for (const CycleRow& row : journal.Cycles()) {
     if (row.outcome != "complete") continue;
@@ -46,7 +46,7 @@ Expected ExpectedFiles(const CampaignFolder& folder, const Journal& journal) {
     const std::string sha256 = journal.RecordsSha256(row.cycle);
     // Without a digest: a preparation without records, or a journal of an earlier version.
     if (sha256.empty() && (row.cycle == 0 || fs::exists(folder.root / file))) continue;
-    expected.files[file] = {0, sha256};
+    expected.files[file] = sha256;
   }
   // Of a campaign that was salvaged, what was lost then is known.
   if (expected.salvaged = SalvageNoteOf(journal); expected.salvaged) {
@@ -71,7 +71,7 @@ bool IsOfItsOwn(const std::string& path) { return path == "lock" || path.starts_
 
 std::vector<FileIntegrity> FilesOf(const CampaignFolder& folder, const Expected& expected) {
   std::map<std::string, FileIntegrity> files;
-  for (const auto& [path, digest] : expected.files) files[path].state = FileState::kMissing;
+  for (const auto& [path, sha256] : expected.files) files[path].state = FileState::kMissing;
   for (const auto& entry : fs::recursive_directory_iterator(folder.root)) {
     if (!entry.is_regular_file()) continue;
     const std::string path = PathIn(folder, entry.path());
@@ -150,10 +150,10 @@ CampaignIntegrity VerifyCampaign(const CampaignFolder& folder, const BytesRead& 
       file.reason = "it is not there";
       return;
     }
-    const auto digest = expected.files.find(file.path);
+    const auto registered = expected.files.find(file.path);
     // What a program is writing at this moment is not judged.
-    if (integrity.process > 0 && digest == expected.files.end()) return;
-    CheckFile(folder, digest == expected.files.end() ? std::nullopt : std::optional(digest->second), file);
+    if (integrity.process > 0 && registered == expected.files.end()) return;
+    CheckFile(folder, registered == expected.files.end() ? "" : registered->second, file);
     const std::lock_guard lock(mutex);
     integrity.bytes += file.bytes;
     if (progress) progress(integrity.bytes, all);

@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The library of HDF5 files is not for several threads.
-std::mutex& Hdf5() {
+// One process for a damaged file at a time: another one, forked meanwhile, would hold its pipe open.
+std::mutex& OwnProcess() {
   static std::mutex mutex;
   return mutex;
 }
@@ -34,7 +34,7 @@ void TakeDamage(FileIntegrity& file, std::string reason) {
 
 // Which records of it are left.
 void LookAtRecords(const fs::path& path, FileIntegrity& file) {
-  const std::lock_guard lock(Hdf5());
+  const std::lock_guard lock(OwnProcess());
   try {
     file.records = daq::CheckRecords(path);
   } catch (const daq::RecordError& error) {
@@ -76,8 +76,8 @@ void CheckByItself(const fs::path& path, FileIntegrity& file) {
   file.records.clear();
 }
 
-void CheckByDigest(const fs::path& path, const FileDigest& digest, FileIntegrity& file) {
-  if (digest.sha256 == Sha256OfFile(path)) {
+void CheckByDigest(const fs::path& path, const std::string& sha256, FileIntegrity& file) {
+  if (sha256 == Sha256OfFile(path)) {
     file.state = FileState::kWhole;
     return;
   }
@@ -98,10 +98,10 @@ std::optional<int> CycleNamed(std::string_view path) {
   return is_number ? std::optional(cycle) : std::nullopt;
 }
 
-void CheckFile(const CampaignFolder& folder, const std::optional<FileDigest>& digest, FileIntegrity& file) {
+void CheckFile(const CampaignFolder& folder, const std::string& sha256, FileIntegrity& file) {
   const fs::path path = folder.root / file.path;
   try {
-    digest && !digest->sha256.empty() ? CheckByDigest(path, *digest, file) : CheckByItself(path, file);
+    sha256.empty() ? CheckByItself(path, file) : CheckByDigest(path, sha256, file);
   } catch (const std::exception& error) {
     TakeDamage(file, error.what());
   }

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
-#include "bench/campaign/journal.h"
 #include "bench/integrity/campaign_integrity.h"
 
 namespace strainwave::bench {
@@ -13,8 +13,8 @@ namespace strainwave::bench {
 std::optional<int> CycleNamed(std::string_view path);
 
 /// Reads a file of a campaign and says what state it is in.
-/// @param digest  as it was registered; without one its own checksums alone are looked at.
+/// @param sha256  as it was registered; empty: its own checksums alone are looked at.
 /// @param file    with path and bytes; state, reason and records are filled in.
-void CheckFile(const CampaignFolder& folder, const std::optional<FileDigest>& digest, FileIntegrity& file);
+void CheckFile(const CampaignFolder& folder, const std::string& sha256, FileIntegrity& file);
 
 }  // namespace strainwave::bench

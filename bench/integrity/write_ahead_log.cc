@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/sqlite_number.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -26,13 +27,7 @@ constexpr std::uint32_t kMagicBigEndian = 0x377f0683;
 
 using Bytes = std::span<const std::byte>;
 
-std::uint32_t BigEndian(Bytes bytes, std::size_t at) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < 4; ++i) number = number << 8U | std::to_integer<std::uint32_t>(bytes[at + i]);
-  return number;
-}
-
-std::uint32_t LittleEndian(Bytes bytes, std::size_t at) { return __builtin_bswap32(BigEndian(bytes, at)); }
+std::uint32_t LittleEndian(Bytes bytes, std::size_t at) { return __builtin_bswap32(SqliteNumber(bytes, at)); }
 
 struct Checksum {
   std::uint32_t first{};
@@ -42,7 +37,7 @@ struct Checksum {
 
 // Of words in the order of bytes that the magic number says, going on from `sum`.
 Checksum Add(Checksum sum, Bytes bytes, bool big_endian) {
-  const auto word = big_endian ? BigEndian : LittleEndian;
+  const auto word = big_endian ? SqliteNumber : LittleEndian;
   for (std::size_t at = 0; at + 8 <= bytes.size(); at += 8) {
     sum.first += word(bytes, at) + sum.second;
     sum.second += word(bytes, at + 4) + sum.first;
@@ -50,7 +45,9 @@ Checksum Add(Checksum sum, Bytes bytes, bool big_endian) {
   return sum;
 }
 
-Checksum StoredAt(Bytes bytes, std::size_t at) { return {BigEndian(bytes, at), BigEndian(bytes, at + 4)}; }
+Checksum StoredAt(Bytes bytes, std::size_t at) {
+  return {SqliteNumber(bytes, at), SqliteNumber(bytes, at + 4)};
+}
 
 }  // namespace
 
@@ -60,7 +57,7 @@ LogReport CheckLog(const std::filesystem::path& log) {
   const std::string content = daq::ReadWholeFile(log);
   const Bytes bytes = std::as_bytes(std::span(content));
   if (bytes.empty()) return report;
-  const std::uint32_t magic = bytes.size() < kHeader_bytes ? 0 : BigEndian(bytes, 0);
+  const std::uint32_t magic = bytes.size() < kHeader_bytes ? 0 : SqliteNumber(bytes, 0);
   const bool big_endian = magic == kMagicBigEndian;
   Checksum sum;
   if (magic == kMagicLittleEndian || big_endian) sum = Add({}, bytes.first(kHeaderChecksumAt), big_endian);
@@ -68,7 +65,7 @@ LogReport CheckLog(const std::filesystem::path& log) {
     report.damage = "its header does not match its checksum, and all rows in it are lost";
     return report;
   }
-  const std::size_t frame_bytes = kFrameHeader_bytes + BigEndian(bytes, kPageSizeAt);
+  const std::size_t frame_bytes = kFrameHeader_bytes + SqliteNumber(bytes, kPageSizeAt);
   const Checksum salts = StoredAt(bytes, kSaltsAt);
   std::uint64_t whole = 0;
   bool chained = true;
@@ -83,7 +80,7 @@ LogReport CheckLog(const std::filesystem::path& log) {
       chained = own == salts && sum == StoredAt(frame, kFrameChecksumAt);
       if (chained) {
         whole = number;
-        if (BigEndian(frame, kCommitAt) != 0) report.frames = number;
+        if (SqliteNumber(frame, kCommitAt) != 0) report.frames = number;
         continue;
       }
     }

@@ -127,14 +127,43 @@ def kind_of(path, folder):
     return str(relative) if len(relative.parts) == 1 else f"{relative.parts[0]}/*{relative.suffix}"
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def options_of(documentation):
+    parser = argparse.ArgumentParser(description=documentation, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", required=True, type=lambda path: pathlib.Path(path).resolve())
     parser.add_argument("--flips", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def try_flips(options, campaigns, references, outcome_of, faults):
+    """Exit code. `outcome_of(campaign, path, reference)` in words; `faults`: how those begin that are not to be."""
     rng = random.Random(options.seed)
     began = time.monotonic()
+    counts = collections.Counter()
+    bad = []
+    for number in range(options.flips):
+        campaign = campaigns[number % 2]
+        files = campaign.files()
+        sizes = [path.stat().st_size for path in files]
+        path = rng.choices(files, sizes if number // 2 % 2 else None)[0]
+        bit = rng.randrange(8 * path.stat().st_size)
+        before = path.read_bytes()
+        flip(path, bit)
+        outcome = outcome_of(campaign, path, references[number % 2])
+        path.write_bytes(before)
+        counts[campaign.folder.name, kind_of(path, campaign.folder), outcome.split(":")[0]] += 1
+        if outcome.startswith(faults):
+            bad.append(f"{campaign.folder.name}/{path.relative_to(campaign.folder)}, bit {bit % 8} of byte {bit // 8}: {outcome}")
+    for (folder, kind, outcome), count in sorted(counts.items()):
+        print(f"{folder:9} {kind:24} {outcome:20} {count:5}")
+    print(f"{options.flips} flips, {len(bad)} not found, {time.monotonic() - began:.0f} s")
+    for line in bad:
+        print(line)
+    return 1 if bad else 0
+
+
+def main():
+    options = options_of(__doc__)
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         schedule = short_schedule(scratch)
@@ -144,27 +173,7 @@ def main():
         for campaign, seen in zip(campaigns, references):
             assert all(code == 0 for code, *_ in seen), seen
             assert seen == [look() for look in campaign.looks()], "without a flip it is not the same twice"
-        counts = collections.Counter()
-        bad = []
-        for number in range(options.flips):
-            campaign, seen = campaigns[number % 2], references[number % 2]
-            files = campaign.files()
-            sizes = [path.stat().st_size for path in files]
-            path = rng.choices(files, sizes if number // 2 % 2 else None)[0]
-            bit = rng.randrange(8 * path.stat().st_size)
-            before = path.read_bytes()
-            flip(path, bit)
-            outcome = outcome_of(campaign, path, seen)
-            path.write_bytes(before)
-            counts[campaign.folder.name, kind_of(path, campaign.folder), outcome.split(":")[0]] += 1
-            if outcome[:6] in ("SILENT", "DIED: "):
-                bad.append(f"{path.relative_to(scratch)}, bit {bit % 8} of byte {bit // 8}: {outcome}")
-        for (folder, kind, outcome), count in sorted(counts.items()):
-            print(f"{folder:9} {kind:24} {outcome:20} {count:5}")
-        print(f"{options.flips} flips, {len(bad)} not found, {time.monotonic() - began:.0f} s")
-        for line in bad:
-            print(line)
-    return 1 if bad else 0
+        return try_flips(options, campaigns, references, outcome_of, ("SILENT", "DIED: "))
 
 
 if __name__ == "__main__":

@@ -9,14 +9,10 @@ is made anew by whoever opens it).
 Half of the flips fall on any file alike, half on any byte alike. What SQLite and HDF5 leave unused within a file that
 has no digest yet is proven harmless by reading all records and rows: the same as before.
 """
-import argparse
-import collections
 import json
 import pathlib
-import random
 import sys
 import tempfile
-import time
 
 import bit_flips
 
@@ -57,13 +53,7 @@ def outcome_of(campaign, path, reference):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", required=True, type=lambda path: pathlib.Path(path).resolve())
-    parser.add_argument("--flips", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    rng = random.Random(options.seed)
-    began = time.monotonic()
+    options = bit_flips.options_of(__doc__)
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         schedule = bit_flips.short_schedule(scratch)
@@ -73,26 +63,7 @@ def main():
             code, document, error = verify(campaign)
             assert code == 0, (code, document, error)
         references = [shown(campaign) for campaign in campaigns]
-        counts, bad = collections.Counter(), []
-        for number in range(options.flips):
-            campaign = campaigns[number % 2]
-            files = campaign.files()
-            sizes = [path.stat().st_size for path in files]
-            path = rng.choices(files, sizes if number // 2 % 2 else None)[0]
-            bit = rng.randrange(8 * path.stat().st_size)
-            before = path.read_bytes()
-            bit_flips.flip(path, bit)
-            outcome = outcome_of(campaign, path, references[number % 2])
-            path.write_bytes(before)
-            counts[campaign.folder.name, bit_flips.kind_of(path, campaign.folder), outcome.split(":")[0]] += 1
-            if outcome.startswith(("WRONG", "SILENT")):
-                bad.append(f"{path.relative_to(scratch)}, bit {bit % 8} of byte {bit // 8}: {outcome}")
-        for (folder, kind, outcome), count in sorted(counts.items()):
-            print(f"{folder:9} {kind:24} {outcome:20} {count:5}")
-        print(f"{options.flips} flips, {len(bad)} not found, {time.monotonic() - began:.0f} s")
-        for line in bad:
-            print(line)
-    return 1 if bad else 0
+        return bit_flips.try_flips(options, campaigns, references, outcome_of, ("WRONG", "SILENT"))
 
 
 if __name__ == "__main__":
