@@ -28,7 +28,7 @@ BUILD_PACKAGES=(
   libhdf5-dev libmatio-dev libsndfile1-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev
-  libhidapi-dev
+  libhidapi-dev libsystemd-dev
   gnuplot-nox
 )
 # What takes pictures, a package of its own: 115 packages of Debian more. `build` makes it where they are.

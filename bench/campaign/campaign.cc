@@ -2,7 +2,6 @@
 #include "bench/campaign/campaign.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <sstream>
 #include <system_error>
 #include <vector>
@@ -227,7 +226,7 @@ std::string ExtendCampaign(const CampaignFolder& folder, const CampaignInputs& g
 }
 
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
-                                         Journal& journal, bool accept_pause) {
+                                         Journal& journal, const ResumeOrder& order) {
   const CampaignInputs frozen = ReadFrozenInputs(folder, journal);
   const bool unchanged = SameButForCycles(frozen, given);
   if (!unchanged || given.schedule.cycles != frozen.schedule.cycles) {
@@ -254,11 +253,11 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
   ResumePoint point{*checkpoint, PauseBetween(checkpoint->written, now),
                     std::max(checkpoint->time_s, journal.LatestTime_s())};
   const std::optional<double>& pause_s = point.pause.length_s;
-  if (!pause_s && !accept_pause) {
+  if (!pause_s && !order.accept_pause) {
     Refuse(folder.root, "how long the campaign has stood is not known: " + point.pause.clock,
            "--accept-pause, to go on as after the longest pause and have it noted");
   }
-  if (pause_s && *pause_s > given.schedule.resume.longest_pause_s && !accept_pause) {
+  if (pause_s && *pause_s > given.schedule.resume.longest_pause_s && !order.accept_pause) {
     Refuse(folder.root,
            fmt::format("the campaign has stood for {:.1f} h, longer than resume.longest_pause allows",
                        *pause_s / 3600.0),
@@ -294,11 +293,15 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
       {point.time_s, now_utc, cycle, cut_phase, "info", "resume",
        pause_s ? fmt::format("resumed after {:.1f} s: {}", *pause_s, cause)
                : fmt::format("resumed after a pause of unknown length ({}): {}", point.pause.clock, cause)});
-  if (given.schedule.resume.operator_acknowledges) {
-    const char* user = std::getenv("USER");
-    journal.AddEvent({point.time_s, now_utc, cycle, cut_phase, "info", "acknowledged",
-                      fmt::format("{} has ordered --resume, and with it that shafts may move again",
-                                  user == nullptr ? "a person without a name" : user)});
+  if (order.restart > 0) {
+    journal.AddEvent(
+        {point.time_s, now_utc, cycle, cut_phase, "warning", "unattended",
+         fmt::format("goes on without a person, {} of the {} times that resume.unattended allows",
+                     order.restart, given.schedule.resume.unattended)});
+  } else if (given.schedule.resume.operator_acknowledges) {
+    journal.AddEvent(
+        {point.time_s, now_utc, cycle, cut_phase, "info", "acknowledged",
+         fmt::format("{} has ordered --resume, and with it that shafts may move again", order.by)});
   }
   transaction.Commit();
   return point;

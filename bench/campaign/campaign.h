@@ -57,6 +57,13 @@ BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& jour
 /// @throws BenchError when the folder holds a campaign already, or something else.
 Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs);
 
+/// On whose word a campaign goes on.
+struct ResumeOrder {
+  std::string by;       // a person; empty where `restart` is not 0
+  bool accept_pause{};  // one longer than the schedule allows, or not known
+  int restart{};        // without a person: the how manieth in a row; 0: a person's order
+};
+
 /// What the journal and the checkpoint say of an interrupted campaign, after the journal has been put in
 /// order: phases that were running are closed as interrupted with the load they had served, and the time
 /// since is a hole. Doing it twice changes nothing. Bench time goes on from the later of the two: a power cut
@@ -65,7 +72,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
 /// @throws BenchError: not a campaign, a changed schedule (with the difference), finished already, a pause
 ///   longer than the schedule allows or not known without `accept_pause`, a journal without its checkpoint.
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
-                                         Journal& journal, bool accept_pause);
+                                         Journal& journal, const ResumeOrder& order);
 
 /// More cycles for a campaign, complete or not; the journal has them, and a line of it. The frozen schedule
 /// stays as it was.

@@ -77,10 +77,19 @@ double CampaignRunner::Time_s() const {
   return time_base_s_ + std::chrono::duration<double>(machine_.Devices().clock.Now() - clock_base_).count();
 }
 
-double CampaignRunner::ShareDone(const CycleStep& step, double share_of_step) const {
-  const double before_s = cycle_ == 0 ? 0.0 : preparation_s_ + (cycle_ - 1) * one_cycle_s_;
+double CampaignRunner::ShareDone(int cycle, const CycleStep& step, double share_of_step) const {
+  const double before_s = cycle == 0 ? 0.0 : preparation_s_ + (cycle - 1) * one_cycle_s_;
   const double whole_s = preparation_s_ + schedule_.cycles * one_cycle_s_;
   return whole_s > 0.0 ? (before_s + step.begins_s + share_of_step * step.planned_s) / whole_s : 0.0;
+}
+
+double CampaignRunner::ShareDone(const Checkpoint& at) const {
+  for (const CycleStep& step : StepsOf(schedule_, at.cycle)) {
+    if (step.index != at.step) continue;
+    const double served = step.planned_s > 0.0 ? std::min(1.0, at.credited_load_s / step.planned_s) : 0.0;
+    return ShareDone(at.cycle, step, at.finished ? 1.0 : served);
+  }
+  return 0.0;
 }
 
 void CampaignRunner::Transition(BenchEvent event) {
@@ -107,6 +116,7 @@ CampaignEnd CampaignRunner::Run(const ResumePoint& from) {
     machine_.RestoreMemory(from.checkpoint->machine_memory);
     expected_offset_rad = from.checkpoint->encoder_offset_rad;
     resumed_cycle_ = journal_.LastCompleteCycle() + 1;
+    share_ = ShareDone(*from.checkpoint);
   }
   clock_base_ = machine_.Devices().clock.Now();
   machine_.LogBuses(held_.wherever().BusLogs());
@@ -217,7 +227,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     if (step.accumulates) TakeMemory();
     at.credited_load_s = now.credited_load_s;
     WriteCheckpoint(at, now.readings, blank);
-    Show(phase.name, ShareDone(step, now.share_done));
+    Show(phase.name, ShareDone(cycle_, step, now.share_done));
   });
   ShowExtremes();
   WatchChannels(phase.name);

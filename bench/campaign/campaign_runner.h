@@ -100,8 +100,9 @@ class CampaignRunner {
                  const std::string& text, double time_s);
   double TimeOf_s(const StopReason& reason) const;
   double Time_s() const;
-  /// Share of the campaign that is done when this share of a step is.
-  double ShareDone(const CycleStep& step, double share_of_step) const;
+  /// Share of the campaign that is done when this share of a step is; by planned time.
+  double ShareDone(int cycle, const CycleStep& step, double share_of_step) const;
+  double ShareDone(const Checkpoint& at) const;
 
   HeldFolder held_;
   CampaignFolder folder_;

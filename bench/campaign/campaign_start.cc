@@ -43,8 +43,10 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
                                                   kEncoderOffsetTolerance_rad};
   const auto reference = [&] {
     ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
-    PhaseOutcome outcome =
-        runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) { ShowLive(now.readings); });
+    PhaseOutcome outcome = runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
+      ShowLive(now.readings);
+      Show("referencing", share_);
+    });
     ShowExtremes();
     return outcome;
   };
@@ -87,8 +89,10 @@ CampaignRunner::MaybeEnd CampaignRunner::Unwind(double torque_Nm, double torque_
 CampaignRunner::MaybeEnd CampaignRunner::RunUncredited(PhaseProgram& program, std::string_view phase,
                                                        BenchEvent begin) {
   Transition(begin);
-  const PhaseOutcome outcome =
-      runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) { ShowLive(now.readings); });
+  const PhaseOutcome outcome = runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
+    ShowLive(now.readings);
+    Show(phase, share_);
+  });
   ShowExtremes();
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase);
   Transition(BenchEvent::kPhaseEnded);

@@ -12,6 +12,7 @@
 #include "bench/campaign/cycle_steps.h"
 #include "bench/campaign/life_share.h"
 #include "bench/campaign/time_to_go.h"
+#include "bench/campaign/unattended.h"
 #include "bench/utc.h"
 #include "schedules/reader/plan.h"
 
@@ -106,6 +107,7 @@ JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& 
   progress.planned_cycle_bytes = PlannedCycle_bytes(inputs.schedule);
   progress.events = journal.Events(kEventsShown);
   progress.last_of_bench = journal.LastEventOfBench();
+  progress.unattended_restarts = UnattendedRestarts(journal);
   progress.alarms = journal.OpenAlarms();
   progress.open_alarms = journal.Alarms(std::numeric_limits<double>::infinity());
   progress.notes = journal.OperatorNotes(kNotesShown);
@@ -128,6 +130,7 @@ CampaignProgress ProgressOf(const CampaignFolder& folder, JournalProgress journa
   progress.cycles = inputs.schedule.cycles;
   progress.cycle = progress.last_complete + 1;
   progress.longest_pause_s = inputs.schedule.resume.longest_pause_s;
+  progress.unattended_allowed = inputs.schedule.resume.unattended;
   TakePhases(folder, inputs, progress);
   TakeReadings(folder, inputs, progress);
   TakeSources(folder, inputs, progress);

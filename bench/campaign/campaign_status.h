@@ -29,6 +29,7 @@ struct JournalProgress {
   /// Bench time that cycles take, over what they take as planned: of the newest 50, from the fifth on.
   std::optional<double> as_planned;
   std::optional<RunBegun> run_begun;
+  int unattended_restarts{};  // since a person last began a run
   std::vector<Result> last_results;
   std::vector<StopDistance> stops;         // how far the last cycle is from ending the campaign
   std::optional<double> life_share;        // of the bearing's L10, used up by the complete cycles
@@ -65,6 +66,7 @@ struct CampaignProgress : JournalProgress {
   int measured_again{};   // in the cycle that is under way
   std::vector<AlarmRule> alarm_rules;  // the bench file's
   double longest_pause_s{};
+  int unattended_allowed{};  // restarts without a person that the schedule allows in a row
 };
 
 /// The same with what takes longer the more cycles there are.

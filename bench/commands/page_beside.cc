@@ -14,7 +14,7 @@
 namespace strainwave::bench {
 namespace {
 
-constexpr std::chrono::seconds kBeginsWithin{10};
+constexpr std::chrono::seconds kBeginsWithin{30};
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <thread>
 
 #include <fmt/core.h>
@@ -19,6 +20,7 @@ namespace strainwave::bench {
 namespace {
 
 std::atomic<StopRequest> g_request{StopRequest::kNone};
+std::atomic<bool> g_watchdog{};
 
 StopRequest RequestOf(int signal) {
   switch (signal) {
@@ -54,6 +56,8 @@ std::optional<std::string> ReadAnswer() {
 
 const std::atomic<StopRequest>& Requested() { return g_request; }
 
+bool WatchdogHasStopped() { return g_watchdog; }
+
 void Request(StopRequest request) {
   StopRequest before = g_request;
   while (before < request && !g_request.compare_exchange_weak(before, request)) {
@@ -61,11 +65,21 @@ void Request(StopRequest request) {
 }
 
 void ListenForRequests() {
-  ListenToSignals([](int signal) { Request(RequestOf(signal)); });
+  ListenToSignals([](int signal) {
+    if (signal == SIGABRT) g_watchdog = true;
+    Request(RequestOf(signal));
+  });
 }
 
 void ListenForQuickStop() {
   ListenToSignals([](int) { Request(StopRequest::kQuickStop); });
+}
+
+std::string PersonsName() {
+  for (const char* const variable : {"SUDO_USER", "USER"}) {
+    if (const char* const name = std::getenv(variable); name != nullptr && *name != '\0') return name;
+  }
+  return "a person without a name";
 }
 
 bool Ask(const std::string& what) {

@@ -14,6 +14,9 @@ namespace strainwave::bench {
 /// the two below.
 const std::atomic<StopRequest>& Requested();
 
+/// Whether the watchdog of the service manager was among them, by SIGABRT: no person has asked for that stop.
+bool WatchdogHasStopped();
+
 /// What stops sooner and harder wins over what was asked for before; never the other way round.
 void Request(StopRequest request);
 
@@ -23,6 +26,9 @@ void ListenForRequests();
 
 /// Where there is nothing to end softly: every signal is the quick stop.
 void ListenForQuickStop();
+
+/// Who has typed the command, also by sudo; "a person without a name" where nothing says it.
+std::string PersonsName();
 
 /// A person at the terminal says when it is done. A stop that is asked for meanwhile counts as a no.
 bool Ask(const std::string& what);

@@ -127,6 +127,10 @@ void Print(const CampaignStatus& status, const CampaignFolder& folder, PagesChec
                ? ""
                : fmt::format(", last at {} ({})", status.holes.back().start_utc, status.holes.back().cause),
            DurationText(status.longest_pause_s));
+  if (status.unattended_allowed > 0) {
+    ToStdout("  unattended   {} of {} restarts without a person are used up since a person began a run\n",
+             status.unattended_restarts, status.unattended_allowed);
+  }
   if (checked == PagesChecked::kAsRead) {
     ToStdout(
         "  journal      what is shown was compared with its checksums; all of it: strainwave status {} "
@@ -194,6 +198,8 @@ nlohmann::json Json(const CampaignStatus& status, PagesChecked checked) {
           {"notes", NotesJson(status.notes)},
           {"holes", std::move(holes)},
           {"longest_pause_s", status.longest_pause_s},
+          {"unattended_restarts", status.unattended_restarts},
+          {"unattended_allowed", status.unattended_allowed},
           {"journal_checked", checked == PagesChecked::kAll ? "all" : "as read"}};
 }
 

@@ -134,6 +134,12 @@ void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan,
   PrintInterlocks(interlocks);
   ToStdout("\nafter a pause the test counts as the same for up to {}; longer needs --accept-pause\n",
            DurationText(schedule.resume.longest_pause_s));
+  if (schedule.resume.unattended > 0) {
+    ToStdout(
+        "after a cut a service goes on without a person, at most {} times in a row; never after a fault or "
+        "a stop\n",
+        schedule.resume.unattended);
+  }
 }
 
 nlohmann::json PhasesJson(const std::vector<schedules::PhaseTime>& phases) {

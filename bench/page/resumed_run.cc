@@ -48,9 +48,8 @@ ActionAnswer ResumeRun(const CampaignFolder& folder, const AskedAction& asked, c
   }
   pid_t process{};
   try {
-    process = StartAnother({"run", folder.Schedule().string(), "--out", folder.root.string(), "--resume",
-                            "--pace", PaceOf(folder)},
-                           output);
+    process =
+        StartAnother({"run", "--out", folder.root.string(), "--resume", "--pace", PaceOf(folder)}, output);
   } catch (const std::exception& error) {
     return NotDone(500, "process", fmt::format("the campaign cannot be gone on with: {}", error.what()));
   }

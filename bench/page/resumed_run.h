@@ -8,7 +8,7 @@
 
 namespace strainwave::bench {
 
-/// Goes on with a campaign, as `strainwave run DIR/schedule.yaml --out DIR --resume` does, in a process of
+/// Goes on with a campaign, as `strainwave run --out DIR --resume` does, in a process of
 /// its own that outlives this one and hears no signal of its terminal. What it says is added to
 /// `DIR/resumed.txt`. Waits until the run has begun, or the process has ended, for half a minute at most: not
 /// for the server's thread.

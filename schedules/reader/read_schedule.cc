@@ -100,6 +100,7 @@ ResumeRules ReadResumeRules(YamlMap map) {
   rules.longest_pause_s = map.Quantity("longest_pause", Dimension::kTime, Bound::kPositive, "72 h");
   rules.re_soak_after_s = map.Quantity("re_soak_after", Dimension::kTime, Bound::kNotNegative, "30 min");
   rules.operator_acknowledges = map.Flag("operator_acknowledges", "true");
+  rules.unattended = map.Count("unattended", 0, 100, "0");
   map.Finish();
   return rules;
 }

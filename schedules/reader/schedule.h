@@ -167,6 +167,7 @@ struct ResumeRules {
   double longest_pause_s{};      // longer needs --accept-pause
   double re_soak_after_s{};      // a pause longer than this warms up again before measuring
   bool operator_acknowledges{};  // resume asks before anything moves (R10)
+  int unattended{};              // times in a row that a run that was cut may go on without a person
 };
 
 struct Schedule {

@@ -115,6 +115,14 @@ void CheckThermalRules(const Schedule& schedule, const Comparison& compare) {
                       {"suspend.give_up", schedule.suspend.give_up_s});
 }
 
+void CheckResumeRules(const ResumeRules& rules, const Comparison& compare) {
+  if (rules.unattended == 0 || !rules.operator_acknowledges || !compare.Readable("resume.unattended")) return;
+  compare.Error("resume.unattended",
+                fmt::format("unattended = {} lets shafts move without a person (expected with it "
+                            "operator_acknowledges: false, and people who are kept away from the bench)",
+                            rules.unattended));
+}
+
 // The rules for one phase; `path` is where it stands: "phases[2]".
 class PhaseCheck {
  public:
@@ -330,6 +338,7 @@ FindingList ValidateSchedule(const Schedule& schedule) {
   CheckSpecimen(schedule.specimen, compare);
   CheckLimits(schedule, compare);
   CheckThermalRules(schedule, compare);
+  CheckResumeRules(schedule.resume, compare);
   std::map<std::string, int> lines;
   const bool preparation_known = CheckPhases(schedule, schedule.preparation, "preparation", lines, compare);
   const bool phases_known = CheckPhases(schedule, schedule.phases, "phases", lines, compare);

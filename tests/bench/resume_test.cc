@@ -58,7 +58,7 @@ class CutCampaign : public testing::Test {
     return "none";
   }
   std::optional<ResumePoint> Resume(bool accept_pause = true) {
-    return PrepareResume(folder_, inputs_, journal_, accept_pause);
+    return PrepareResume(folder_, inputs_, journal_, {.by = "a person", .accept_pause = accept_pause});
   }
 
   CampaignFolder folder_{std::filesystem::temp_directory_path() /
@@ -216,7 +216,7 @@ TEST_F(CutCampaign, IsExtendedByCyclesAloneAndSaysSoInItsJournal) {
   Leave({.time_s = 30.0});
   const CampaignInputs longer = Given("cycles: 3", "cycles: 12");
   const auto refusal = [&](const CampaignInputs& given) {
-    return Refusal([&] { PrepareResume(folder_, given, journal_, true); });
+    return Refusal([&] { PrepareResume(folder_, given, journal_, {.by = "a person", .accept_pause = true}); });
   };
   EXPECT_EQ(
       refusal(longer),

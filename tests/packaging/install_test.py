@@ -52,6 +52,14 @@ class Installed(unittest.TestCase):
     def commands(self, *of):
         return LISTED.findall(self.run_it(self.program, *of, "--help").stdout.split("\nSubcommands:\n")[1])
 
+    def test_unit_of_a_service_is_hardened(self):
+        unit = self.prefix / "lib/systemd/system/strainwave@.service"
+        self.assertIn("\nUser=strainwave\n", unit.read_text())
+        self.assertTrue((self.prefix / "lib/sysusers.d/strainwave.conf").exists())
+        if not shutil.which("systemd-analyze"):
+            self.skipTest("skipped, because systemd-analyze is missing")
+        self.run_it("systemd-analyze", "security", "--no-pager", "--offline=true", "--threshold=20", unit)
+
     def test_version_stands_alone(self):
         said = self.run_it(self.program, "--version").stdout
         self.assertRegex(said, r"^strainwave \d+\.\d+\.\d+( \([0-9a-f]{7,}(-dirty)?\))?\n$")

@@ -93,7 +93,7 @@ class FieldResume : public testing::Test {
     const CampaignInputs inputs = ReadInputs(scratch_ / "schedule.yaml", BenchFileOf(bench));
     Journal journal = resumed ? Journal::Open(folder.Journal(), Database::Mode::kReadWrite)
                               : CreateCampaign(folder, inputs);
-    const ResumePoint from = resumed ? PrepareResume(folder, inputs, journal, false).value() : ResumePoint{};
+    const ResumePoint from = resumed ? PrepareResume(folder, inputs, journal, {.by = "a person"}).value() : ResumePoint{};
     FieldMachine machine(inputs.bench, 80.0, {});
     while (machine.Devices().sampler.Read().bad_channels != 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -83,7 +83,7 @@ class TransducerDrift : public testing::Test {
     const CampaignInputs inputs = ReadInputs(scratch_ / "schedule.yaml", scratch_ / "bench.yaml");
     Journal journal = resumed ? Journal::Open(folder_.Journal(), Database::Mode::kReadWrite)
                               : CreateCampaign(folder_, inputs);
-    const ResumePoint from = resumed ? PrepareResume(folder_, inputs, journal, false).value() : ResumePoint{};
+    const ResumePoint from = resumed ? PrepareResume(folder_, inputs, journal, {.by = "a person"}).value() : ResumePoint{};
     SimulatedMachine machine(PlantModelOf(inputs.bench, 80.0), {}, {});
     Creeping creeping(machine.bench(), drift_Nm_per_s);
     const std::atomic<StopRequest> request{StopRequest::kNone};
