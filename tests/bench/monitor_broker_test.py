@@ -12,8 +12,8 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "peers"))
 import needed  # noqa: E402
-import mqtt_peer  # noqa: E402
 import test_certificates  # noqa: E402
+from free_port import free_port  # noqa: E402
 from waiting import until  # noqa: E402
 
 with needed.peers("/usr/sbin/mosquitto"):
@@ -99,7 +99,7 @@ class Broker(monitor_fixture.MonitorTest):
         self.assertEqual(self.messages_of(host), [])
 
     def test_what_waits_is_not_sent_for_another_predictor(self):
-        path = self.settings(f"mqtt:\n  port: {mqtt_peer.free_port()}\n  group: lab\n  node: bench\n"
+        path = self.settings(f"mqtt:\n  port: {free_port()}\n  group: lab\n  node: bench\n"
                              "  outbox_file: other.db\n")
         replay = ("--replay", self.record, "--pace", "max", "--settings", path, "--linger", 0)
         monitor = self.start(*replay)
@@ -117,7 +117,7 @@ class Broker(monitor_fixture.MonitorTest):
 
     def tls(self, files, **names):
         """(broker, host, settings) with a listener for TLS that asks for certificates, and a plain one for the host."""
-        plain = mqtt_peer.free_port()
+        plain = free_port()
         broker, host = self.broker(f"user root\ncafile {files / 'ca.pem'}\ncertfile {files / names.get('broker', 'broker')}.pem\n"
                                    f"keyfile {files / names.get('broker', 'broker')}.key\n"
                                    f"require_certificate true\nlistener {plain} 127.0.0.1\n")
@@ -189,7 +189,7 @@ class Broker(monitor_fixture.MonitorTest):
         words = self.folder / "broker.users"
         subprocess.run(["mosquitto_passwd", "-b", "-c", str(words), "monitor", "open sesame"], check=True)
         words.chmod(0o644)
-        plain = mqtt_peer.free_port()
+        plain = free_port()
         broker, host = self.broker(f"user root\nper_listener_settings true\nallow_anonymous false\npassword_file {words}\n"
                                    f"listener {plain} 127.0.0.1\nallow_anonymous true\n")
         path = self.settings(f"mqtt:\n  port: {broker.port}\n  group: lab\n  node: bench\n  user: monitor\n"

@@ -24,6 +24,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "peers"))
 import exported_campaign  # noqa: E402
 import mqtt_peer  # noqa: E402
 import needed  # noqa: E402
+from free_port import free_port  # noqa: E402
 from waiting import until  # noqa: E402
 
 with needed.peers("/usr/sbin/mosquitto"):
@@ -343,7 +344,7 @@ class Monitor(unittest.TestCase):
         self.assertEqual(data[2]["metrics"]["k2_Nm_per_rad/Value"]["quality"], 0)
 
     def test_a_dead_broker_holds_nothing_up(self):
-        rule = settings("dead.yaml", f"mqtt:\n  port: {mqtt_peer.free_port()}\n  node: bench\n  keep_windows: 7\n"
+        rule = settings("dead.yaml", f"mqtt:\n  port: {free_port()}\n  node: bench\n  keep_windows: 7\n"
                                      "prometheus:\n  port: 0\n")
         code, results, error = self.run_once(self.exported, "--replay", self.record, "--rounds", 10, "--pace", "max",
                                              "--settings", rule, "--linger", 0)

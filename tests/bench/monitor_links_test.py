@@ -12,7 +12,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "peers"))
 import needed  # noqa: E402
-import mqtt_peer  # noqa: E402
+from free_port import free_port  # noqa: E402
 from waiting import until  # noqa: E402
 
 with needed.peers("/usr/sbin/mosquitto"):
@@ -138,7 +138,7 @@ class Links(monitor_fixture.MonitorTest):
         monitor = self.start("--settings", path)
         self.assertEqual(monitor.wait(60), 0, monitor.said())
         self.assertEqual(monitor.results()[0]["values"], self.predicted())
-        port = mqtt_peer.free_port()
+        port = free_port()
         monitor = self.start("--source", f"tcp://127.0.0.1:{port}")
         self.assertEqual(monitor.wait(60), 3)
         self.assertEqual(monitor.said(), f"error: cannot connect to 127.0.0.1:{port}: Connection refused\n")

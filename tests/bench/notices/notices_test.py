@@ -16,6 +16,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "peers"))
+from free_port import free_port  # noqa: E402
 from needed import peers  # noqa: E402
 
 with peers("/usr/sbin/mosquitto", "/usr/bin/openssl"):
@@ -120,7 +121,7 @@ class TheChannels(NoticesTest):
 
     def test_are_tried_by_test(self):
         self.copy_tripped()
-        mailbox, dead = self.closing(notice_servers.Mailbox()), mqtt_peer.free_port()
+        mailbox, dead = self.closing(notice_servers.Mailbox()), free_port()
         settings = self.settings([self.mail_to(mailbox.port), self.post_to(dead)], "")
         done = run("watch", self.folder, "--notices", settings, "--test", check=False)
         self.assertEqual(done.returncode, 3)
@@ -139,7 +140,7 @@ class TheChannels(NoticesTest):
 
     def test_that_are_dead_hold_up_no_other_and_are_tried_again(self):
         self.copy_tripped()
-        port = mqtt_peer.free_port()
+        port = free_port()
         webhook, silent = self.closing(notice_servers.Webhook()), self.closing(notice_servers.Silent())
         settings = self.settings([self.mail_to(port), self.post_to(webhook.port),
                                   f'mqtt: {{broker: "mqtt://127.0.0.1:{silent.port}"}}'])
@@ -200,7 +201,7 @@ class TheChannels(NoticesTest):
     def test_of_mqtt_use_tls(self):
         self.copy_tripped()
         certificates = test_certificates.make(self.home / "certificates")
-        port = mqtt_peer.free_port()
+        port = free_port()
         broker = self.closing(mqtt_peer.Broker(f"listener {port} 127.0.0.1\ncafile {certificates}/ca.pem\n"
                                                f"certfile {certificates}/broker.pem\nkeyfile {certificates}/broker.key\nuser root"))
         broker.start()

@@ -4,7 +4,6 @@ payloads by the wire format of protocol buffers, and a broker process (mosquitto
 import contextlib
 import json
 import pathlib
-import random
 import select
 import socket
 import struct
@@ -12,15 +11,7 @@ import subprocess
 import tempfile
 import time
 
-
-def free_port():
-    """A port that nobody listens on. It lies below those that the kernel gives to connections (32768 on, Linux), so that
-    none takes it before its server does."""
-    while True:
-        port = random.randrange(20000, 32768)
-        with socket.socket() as probe, contextlib.suppress(OSError):
-            probe.bind(("127.0.0.1", port))
-            return port
+from free_port import free_port
 
 
 class Broker:

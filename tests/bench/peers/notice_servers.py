@@ -13,6 +13,7 @@ import threading
 import aiosmtpd.controller
 import aiosmtpd.smtp
 import mqtt_peer
+from free_port import free_port
 
 
 # What a test provokes is no news.
@@ -32,7 +33,7 @@ class Mailbox:
             more = {"tls_context": context, "require_starttls": True}
         if user:
             more |= {"authenticator": self._authenticate, "auth_required": True}
-        self.port = port or mqtt_peer.free_port()
+        self.port = port or free_port()
         self.controller = aiosmtpd.controller.Controller(self, "127.0.0.1", self.port, **more)
         self.controller.start()
 
