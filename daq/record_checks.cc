@@ -107,6 +107,13 @@ std::vector<RecordCheck> CheckRecords(const std::filesystem::path& path) {
   return checks;
 }
 
+void DemandReadable(const std::filesystem::path& path) {
+  ReadInOwnProcess(path, LimitsForFile(path), [&] {
+    ReadCycleFile(path, Checking::kNone);
+    return std::vector<Record>();
+  });
+}
+
 void CopyRecords(const std::filesystem::path& from, std::span<const std::string> groups,
                  const std::filesystem::path& to, const Attributes& attributes) {
   const Hdf5Silence silence;

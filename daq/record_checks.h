@@ -21,6 +21,10 @@ struct RecordCheck {
 /// @throws RecordError if not even the list of records can be read.
 std::vector<RecordCheck> CheckRecords(const std::filesystem::path& path);
 
+/// Reads a file once: that can be done again in this process then, without a crash.
+/// @throws RecordError if it cannot be read.
+void DemandReadable(const std::filesystem::path& path);
+
 /// Writes records of such a file that are whole, bit for bit, as a file of their own that appears whole or
 /// not at all.
 /// @param groups  that `CheckRecords` has found whole: reading them again is safe here.

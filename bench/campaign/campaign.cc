@@ -13,8 +13,7 @@
 #include "bench/configuration/read_bench_file.h"
 #include "bench/errors/bench_error.h"
 #include "bench/utc.h"
-#include "daq/cycle_file.h"
-#include "daq/record_pipe.h"
+#include "daq/record_checks.h"
 #include "daq/synced_folder.h"
 #include "daq/whole_file.h"
 
@@ -135,11 +134,7 @@ class Beginning {
 // crash, is found here.
 void DemandReadable(const std::filesystem::path& unfinished) {
   for (const auto& entry : std::filesystem::directory_iterator(unfinished)) {
-    if (entry.path().extension() != ".h5") continue;
-    daq::ReadInOwnProcess(entry.path(), daq::LimitsForFile(entry.path()), [&] {
-      daq::ReadCycleFile(entry.path(), daq::Checking::kNone);
-      return std::vector<daq::Record>();
-    });
+    if (entry.path().extension() == ".h5") daq::DemandReadable(entry.path());
   }
 }
 

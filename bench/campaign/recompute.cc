@@ -15,6 +15,7 @@
 #include "bench/errors/bench_error.h"
 #include "bench/sha256.h"
 #include "daq/cycle_file.h"
+#include "daq/record_checks.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
@@ -89,10 +90,12 @@ std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, const Jo
                     "journal says were stored)",
                     file.string(), cycle));
   }
+  const std::string sha256 = journal.RecordsSha256(cycle);
+  const bool as_stored = sha256.empty() || Sha256OfFile(file) == sha256;
+  if (!as_stored) daq::DemandReadable(file);
   daq::CycleFile read = daq::ReadCycleFile(file, daq::Checking::kNone);
   CheckStamps(file, read.attributes, journal, cycle);
-  if (const std::string sha256 = journal.RecordsSha256(cycle);
-      !sha256.empty() && Sha256OfFile(file) != sha256) {
+  if (!as_stored) {
     Refuse(file, "is not the file that was stored", "the file whose SHA-256 is in the journal, " + sha256);
   }
   for (NamedRecord& named : read.records) named.group.erase(0, named.group.find_first_not_of('/'));
