@@ -13,13 +13,13 @@ build=build-coverage
 mkdir -p "$build"
 sources=()
 for name in "${layer[@]}"; do
-  sources+=("bench/controller/$name.cc" "tests/bench/${name}_test.cc")
+  sources+=("bench/safety/$name.cc" "tests/bench/${name}_test.cc")
 done
 "$clang" -std=c++20 -O0 -g -fprofile-instr-generate -fcoverage-mapping -DFMT_SHARED -I. "${sources[@]}" \
-  bench/controller/stop_reason.cc bench/controller/texts_apart.cc -lgtest -lgtest_main -lfmt -pthread -o "$build/safety_tests"
+  bench/safety/stop_reason.cc bench/safety/texts_apart.cc -lgtest -lgtest_main -lfmt -pthread -o "$build/safety_tests"
 LLVM_PROFILE_FILE="$build/safety.profraw" "$build/safety_tests" --gtest_brief=1
 llvm-profdata-14 merge -o "$build/safety.profdata" "$build/safety.profraw"
-files=("${layer[@]/#/bench/controller/}")
+files=("${layer[@]/#/bench/safety/}")
 files=("${files[@]/%/.cc}")
 llvm-cov-14 report "$build/safety_tests" -instr-profile="$build/safety.profdata" --show-branch-summary "${files[@]}"
 missed=$(llvm-cov-14 export "$build/safety_tests" -instr-profile="$build/safety.profdata" -summary-only "${files[@]}" |

@@ -26,8 +26,8 @@
 #include "bench/campaign/resume_point.h"
 #include "bench/configuration/bench_description.h"
 #include "bench/controller/phase_runner.h"
-#include "bench/controller/state_machine.h"
 #include "bench/roles/bench_machine.h"
+#include "bench/safety/state_machine.h"
 
 namespace strainwave::bench {
 

@@ -13,7 +13,7 @@
 #include "analysis/repeatability.h"
 #include "analysis/units.h"
 #include "bench/campaign/cycle_results.h"
-#include "bench/controller/texts_apart.h"
+#include "bench/safety/texts_apart.h"
 
 namespace strainwave::bench {
 namespace {

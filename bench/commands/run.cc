@@ -26,9 +26,9 @@
 #include "bench/commands/service_manager.h"
 #include "bench/commands/terminal.h"
 #include "bench/configuration/sensors_of.h"
-#include "bench/controller/interlocks.h"
 #include "bench/errors/bench_error.h"
 #include "bench/machines/make_machine.h"
+#include "bench/safety/interlocks.h"
 #include "bench/utc.h"
 #include "daq/software.h"
 
@@ -119,7 +119,8 @@ void NoteEnd(Journal& journal, const CampaignEnd& end) {
     NoteRunEnded(journal, end.text);
     return;
   }
-  journal.AddEvent({journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "warning", "watchdog",
+  journal.AddEvent({journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "warning",
+                    "watchdog",
                     "the service manager's watchdog has stopped the run, for it had not gone on"});
 }
 

@@ -17,8 +17,8 @@
 #include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/configuration/sensors_of.h"
-#include "bench/controller/interlocks.h"
 #include "bench/errors/bench_error.h"
+#include "bench/safety/interlocks.h"
 #include "bench/trip_test/trip_row.h"
 #include "schedules/reader/plan.h"
 

@@ -6,8 +6,8 @@
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
-#include "bench/controller/set_point_watch.h"
 #include "bench/controller/vibration_statistics.h"
+#include "bench/safety/set_point_watch.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "bench/controller/phase_program.h"
-#include "bench/controller/state_machine.h"
+#include "bench/safety/state_machine.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {

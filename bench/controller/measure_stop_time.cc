@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "bench/controller/interlocks.h"
 #include "bench/controller/jog_program.h"
+#include "bench/safety/interlocks.h"
 #include "bench/seconds.h"
 #include "protocols/canopen/stop_time.h"
 

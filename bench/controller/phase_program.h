@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/controller/stop_reason.h"
 #include "bench/roles/bench_devices.h"
+#include "bench/safety/stop_reason.h"
 #include "daq/cycle_file.h"
 
 namespace strainwave::bench {

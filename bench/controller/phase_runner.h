@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "bench/controller/drive_watch.h"
-#include "bench/controller/interlocks.h"
 #include "bench/controller/live_extremes.h"
 #include "bench/controller/phase_program.h"
-#include "bench/controller/shaft_watch.h"
+#include "bench/safety/drive_watch.h"
+#include "bench/safety/interlocks.h"
+#include "bench/safety/shaft_watch.h"
 #include "daq/acquisition/spsc_ring.h"
 #include "daq/history_ring.h"
 

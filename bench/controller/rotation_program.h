@@ -7,7 +7,7 @@
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
 #include "bench/controller/sample_alignment.h"
-#include "bench/controller/set_point_watch.h"
+#include "bench/safety/set_point_watch.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/units.h"
-#include "bench/controller/set_point_watch.h"
+#include "bench/safety/set_point_watch.h"
 #include "bench/seconds.h"
 
 namespace strainwave::bench {

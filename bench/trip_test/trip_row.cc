@@ -12,9 +12,9 @@
 #include "analysis/units.h"
 #include "bench/alarms/alarm_rules.h"
 #include "bench/configuration/sensors_of.h"
-#include "bench/controller/drive_watch.h"
-#include "bench/controller/interlocks.h"
 #include "bench/errors/bench_error.h"
+#include "bench/safety/drive_watch.h"
+#include "bench/safety/interlocks.h"
 #include "schedules/reader/wording.h"
 
 namespace strainwave::bench {

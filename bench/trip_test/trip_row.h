@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bench/configuration/bench_description.h"
-#include "bench/controller/stop_reason.h"
 #include "bench/roles/sampler.h"
+#include "bench/safety/stop_reason.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/controller/stop_reason.h"
 #include "bench/errors/bench_error.h"
+#include "bench/safety/stop_reason.h"
 
 namespace strainwave::bench::campaign_alarms_test {
 namespace {

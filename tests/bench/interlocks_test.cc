@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/controller/interlocks.h"
+#include "bench/safety/interlocks.h"
 
 #include <array>
 #include <limits>

@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 
 #include "bench/configuration/read_register_map.h"
-#include "bench/controller/drive_watch.h"
 #include "bench/devices/modbus/modbus_servo_drive.h"
 #include "bench/devices/simulated/simulated_drive.h"
 #include "bench/machines/device_side/modbus_device.h"
 #include "bench/machines/device_side/modbus_servo_model.h"
+#include "bench/safety/drive_watch.h"
 #include "tests/bench/canopen/in_process_drives.h"
 #include "tests/bench/real_time.h"
 #include "tests/checkout.h"

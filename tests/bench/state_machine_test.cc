@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/controller/state_machine.h"
+#include "bench/safety/state_machine.h"
 
 #include <compare>
 #include <cstddef>

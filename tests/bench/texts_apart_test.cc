@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/controller/texts_apart.h"
+#include "bench/safety/texts_apart.h"
 
 #include <gtest/gtest.h>
 

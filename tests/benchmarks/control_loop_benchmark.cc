@@ -28,7 +28,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr double kBetweenStops_s = 0.25;  // long enough to be enabled again
+constexpr double kBetweenStops_s = 0.5;  // long enough to be enabled again
 
 // An end of the bus that counts what passes, and notes when the first quick stop went out.
 class NotingBus final : public CanBus {
@@ -141,7 +141,8 @@ void Control(DriveBus& bus, NotingBus& end, MonotonicClock& clock, nanoseconds p
     load.Actual();
     if (at == 0) {
       driving.Enable(DriveMode::kSpeed);
-    } else if (at == between_stops - 1) {
+    } else if (at == between_stops - 1 &&
+               driving.Actual().power == protocols::PowerState::kOperationEnabled) {
       // A limit is broken in this period's readings.
       end.stop_sent_ns = 0;
       driving.QuickStop();

@@ -33,7 +33,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"realtime"},
                                                          {"alarms"},
                                                          {"roles"},
-                                                         {"devices"},
+                                                         {"devices", "safety"},
                                                          {"configuration", "controller", "serving"},
                                                          {"machines", "accounts"},
                                                          {"campaign"},

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/controller/stop_reason.h"
+#include "bench/safety/stop_reason.h"
 
 namespace strainwave::bench {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/configuration/embedded_bench.h"
-#include "bench/controller/interlocks.h"
+#include "bench/safety/interlocks.h"
 #include "bench/trip_test/metal_trips.h"
 
 namespace strainwave::bench::metal_way_test {

@@ -10,8 +10,8 @@
 
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/sensors_of.h"
-#include "bench/controller/interlocks.h"
 #include "bench/errors/bench_error.h"
+#include "bench/safety/interlocks.h"
 #include "bench/trip_test/simulated_trips.h"
 #include "schedules/reader/read_schedule.h"
 #include "tests/checkout.h"

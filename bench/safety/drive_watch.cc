@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/controller/drive_watch.h"
+#include "bench/safety/drive_watch.h"
 
 #include <algorithm>
 

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <optional>
 
-#include "bench/controller/stop_reason.h"
 #include "bench/roles/sampler.h"
 #include "bench/roles/servo_drive.h"
+#include "bench/safety/stop_reason.h"
 
 namespace strainwave::bench {
 

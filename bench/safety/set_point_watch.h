@@ -4,8 +4,8 @@
 #include <chrono>
 #include <optional>
 
-#include "bench/controller/stop_reason.h"
 #include "bench/roles/sampler.h"
+#include "bench/safety/stop_reason.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {

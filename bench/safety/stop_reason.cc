@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/controller/stop_reason.h"
+#include "bench/safety/stop_reason.h"
 
 #include <fmt/core.h>
 
 #include "analysis/units.h"
-#include "bench/controller/texts_apart.h"
 #include "bench/roles/sampler.h"
+#include "bench/safety/texts_apart.h"
 #include "bench/text.h"
 
 namespace strainwave::bench {

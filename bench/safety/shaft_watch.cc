@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/controller/shaft_watch.h"
+#include "bench/safety/shaft_watch.h"
 
 #include <algorithm>
 #include <cmath>

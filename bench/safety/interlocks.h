@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/controller/stop_reason.h"
 #include "bench/roles/bench_sensors.h"
 #include "bench/roles/sampler.h"
 #include "bench/roles/servo_drive.h"
+#include "bench/safety/stop_reason.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
