@@ -157,6 +157,14 @@ class Service(unittest.TestCase):
         done = self.run_it("run", "--out", self.out, "--resume", "--unattended")
         self.assertEqual((done.returncode, done.stderr), (0, f"{self.out}: all cycles are complete; nothing to resume\n"))
 
+    def test_resumes_without_the_schedule_what_was_extended(self):
+        self.assertEqual(self.run_it("run", self.schedule, "--out", self.out).returncode, 0)
+        longer = self.folder / "longer.yaml"
+        longer.write_text(self.schedule.read_text().replace("cycles: 3", "cycles: 4"))
+        self.assertEqual(self.run_it("run", longer, "--out", self.out, "--resume", "--extend", "--by-service").returncode, 0)
+        self.assertEqual(self.run_it("run", "--out", self.out, "--resume").returncode, 0)
+        self.assertEqual(self.status()["cycles_complete"], 4)
+
     def test_a_schedule_that_asks_a_person_and_asks_none_is_refused(self):
         self.write(RULES + "\n  unattended: 2")
         done = self.run_it("validate", self.schedule)
