@@ -337,7 +337,7 @@ std::string PlainSentence(const DiagnosisReport& report) {
   const diagnosis::Finding& largest = *LargestFirst(causes).front();
   const std::string& sentence = report.input.study->causes()[largest.index].sentence;
   // What it is; what usually makes it stands behind.
-  std::string text = "The simulation lacks " + sentence.substr(0, sentence.find_first_of(":;"));
+  std::string text = "What the simulation lacks: " + sentence.substr(0, sentence.find_first_of(":;"));
   text += Text(" ({:.0f} % of what it misses", 100.0 * largest.share_of_explainable);
   if (causes.size() > 1) {
     text +=

@@ -15,8 +15,8 @@ namespace strainwave::bench {
 /// @param details  with the numbers of every line and channel (IsDetail).
 std::string DiagnosisText(const DiagnosisReport& report, bool details);
 
-/// What explains most, without names: "The simulation lacks an error once per turn of the output (88 % of
-/// what it misses)." Empty where no cause was found.
+/// What explains most, without names: "What the simulation lacks: an error once per turn of the output (88 %
+/// of what it misses)." Empty where no cause was found.
 std::string PlainSentence(const DiagnosisReport& report);
 
 /// The verdict alone: "One effect is missing in the simulation: backlash (in the unit)."

@@ -30,7 +30,7 @@ TEST(DiagnosisText, OpensWithTheVerdict) {
             std::string::npos);
   EXPECT_TRUE(
       DiagnosisText(Found().Report(), false)
-          .starts_with("The simulation lacks an error once per turn (99 % of what it misses).\n"
+          .starts_with("What the simulation lacks: an error once per turn (99 % of what it misses).\n"
                        "One effect is missing in the simulation: output_eccentricity or backlash (bench "
                        "or unit).\n"));
   EXPECT_EQ(
@@ -55,9 +55,9 @@ TEST(DiagnosisText, HasTheCorrectedNumbersAndTheLargestCauseFirst) {
   found.result.extended.nominal = {{"offset_arcmin", "arcmin", 0.25, 0.004}};
   found.result.causes.insert(found.result.causes.begin(), {1, {}, {900.0, 0.0, 400.0}, 0.01, {}});
   const std::string text = DiagnosisText(found.Report(), false);
-  EXPECT_TRUE(
-      text.starts_with("The simulation lacks an error once per turn (99 % of what it misses, and one smaller "
-                       "effect).\n"))
+  EXPECT_TRUE(text.starts_with(
+      "What the simulation lacks: an error once per turn (99 % of what it misses, and one smaller "
+      "effect).\n"))
       << text;
   EXPECT_LT(text.find("found        output_eccentricity"), text.find("found        backlash")) << text;
   EXPECT_NE(text.find("corrected    the simulation's numbers with what was found:\n"

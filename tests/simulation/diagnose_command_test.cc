@@ -99,7 +99,7 @@ TEST_F(Diagnose, SaysItInOneSentenceFirst) {
   const std::string record = Write("sweep.csv", Sweep(11, FirstHarmonic));
   const ProgramResult result = RunProgram({"diagnose", record});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_TRUE(result.out.starts_with("The simulation lacks an error once per turn of the input ("))
+  EXPECT_TRUE(result.out.starts_with("What the simulation lacks: an error once per turn of the input ("))
       << result.out;
   EXPECT_NE(result.out.find("\nOne effect is missing in the simulation: wave_generator_first_harmonic"),
             std::string::npos)
