@@ -13,6 +13,7 @@
 
 #include "analysis/units.h"
 #include "bench/configuration/device_file.h"
+#include "bench/serving/addresses.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -269,6 +270,9 @@ ListenSettings ReadListen(YamlMap map, std::string_view port) {
   listen.address = map.Text("address", "127.0.0.1");
   listen.port = map.Count("port", 0, 65535, port);
   listen.connections = static_cast<std::size_t>(map.Count("connections", 1, kMostConnections, "32"));
+  const bool is_open = !IsLoopbackAddress(listen.address) && listen.address != "localhost";
+  // Of several machines, one leaves room for the rest.
+  listen.of_one_network = is_open ? std::max<std::size_t>(listen.connections / 2, 1) : listen.connections;
   listen.idle_after_ms =
       Milliseconds(map.Quantity("idle_after", Dimension::kTime, Bound::kPositive, "1 min"));
   map.Finish();

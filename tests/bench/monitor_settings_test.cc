@@ -165,6 +165,16 @@ TEST(MonitorSettings, AServerHasRoomForSoManyClientsAndSoMuchPatience) {
             "m.yaml:2:23: error: connections = 501: out of range (expected a whole number from 1 to 500)");
 }
 
+TEST(MonitorSettings, OneMachineOfSeveralGetsHalfOfAServersConnections) {
+  const auto of_one = [](const std::string& keys) {
+    return ParseMonitorSettings("monitor: 1\nmodbus: {" + keys + "}\n", "m.yaml").modbus->of_one_network;
+  };
+  EXPECT_EQ(of_one("connections: 500"), 500U) << "all come from this one";
+  EXPECT_EQ(of_one("connections: 500, address: localhost"), 500U);
+  EXPECT_EQ(of_one("connections: 500, address: 0.0.0.0"), 250U);
+  EXPECT_EQ(of_one("connections: 1, address: 192.0.2.7"), 1U);
+}
+
 TEST(MonitorSettings, TlsNeedsAnAuthorityAndBothHalvesOfACertificate) {
   const TestFolder folder;
   const std::string file = folder.path() / "file.pem";
