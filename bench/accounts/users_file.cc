@@ -38,7 +38,7 @@ User ReadUser(schedules::YamlMap map, const std::vector<User>& before) {
   }
   user.role = map.Choice<UserRole>("role", {{Name(UserRole::kViewer), UserRole::kViewer},
                                             {Name(UserRole::kOperator), UserRole::kOperator}});
-  user.password = map.Text("password");
+  user.password = map.Secret("password");
   if (!IsPasswordHash(user.password)) {
     // Whatever stands there may be somebody's password: it is not repeated.
     map.AddError("password",

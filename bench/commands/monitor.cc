@@ -15,6 +15,7 @@
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/map_option.h"
+#include "bench/commands/no_core.h"
 #include "bench/commands/output.h"
 #include "bench/commands/pace.h"
 #include "bench/commands/signals.h"
@@ -256,6 +257,7 @@ WindowRule RuleFor(const MonitorCommand& command, const MonitorSettings& setting
 }
 
 int Run(const MonitorCommand& command) {
+  LeaveNoCore();
   ListenToSignals([](int) { g_stop = true; });
   // A device waits for nobody; a replay and a simulation do.
   const bool waits = command.simulate || !command.replay.empty();

@@ -15,6 +15,7 @@
 
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/no_core.h"
 #include "bench/commands/output.h"
 #include "bench/commands/page_options.h"
 #include "bench/commands/person.h"
@@ -68,6 +69,7 @@ std::unique_ptr<PageServer> Serve(const ServeOptions& options, const TlsIdentity
 }
 
 int Run(const ServeOptions& options) {
+  LeaveNoCore();
   ListenForQuickStop();
   const CampaignFolder folder{options.folder};
   if (!std::filesystem::is_directory(folder.root)) {

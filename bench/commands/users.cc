@@ -12,6 +12,7 @@
 #include "bench/accounts/users_file.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/hidden_line.h"
+#include "bench/commands/no_core.h"
 #include "bench/commands/output.h"
 #include "bench/errors/bench_error.h"
 
@@ -81,6 +82,7 @@ int Change(const UsersOptions& options, std::vector<User> users) {
 }
 
 int Run(const UsersOptions& options) {
+  LeaveNoCore();
   const bool is_there = std::filesystem::exists(options.file);
   if (!is_there && options.verb != "add") {
     throw BenchError(ExitCode::kWrongInput,

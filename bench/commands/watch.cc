@@ -9,6 +9,7 @@
 
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/no_core.h"
 #include "bench/commands/output.h"
 #include "bench/commands/person.h"
 #include "bench/errors/bench_error.h"
@@ -55,6 +56,7 @@ int ShowDue(const CampaignFolder& folder, const NoticeSettings& settings) {
 }
 
 int WatchCampaign(const WatchOptions& options) {
+  LeaveNoCore();
   ListenForQuickStop();
   const CampaignFolder folder{options.folder};
   const NoticeSettings settings = ReadNoticeSettings(options.notices);

@@ -13,6 +13,7 @@
 
 #include "analysis/units.h"
 #include "bench/configuration/device_file.h"
+#include "bench/serving/addresses.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -172,7 +173,7 @@ std::string PasswordFrom(const std::filesystem::path& file) {
 
 // From one of three places; a settings file is read by more people than should know a password.
 std::string ReadPassword(YamlMap& map, const std::filesystem::path& folder) {
-  std::string password = map.Text("password", "");
+  std::string password = map.Secret("password", "");
   const std::filesystem::path file = ReadableFile(map, "password_file", folder, kMostPassword_KiB);
   const std::string variable = OptionalIdentifier(map, "password_variable");
   const auto places = map.has("password") + map.has("password_file") + map.has("password_variable");
@@ -204,9 +205,19 @@ TlsSettings ReadTls(YamlMap map, const std::filesystem::path& folder) {
   return tls;
 }
 
+// Written as a URL it may hold a password, and the host stands in messages.
+std::string ReadHost(YamlMap& map) {
+  std::string host = map.Secret("host", "127.0.0.1");
+  if (host.find_first_of("@/") == std::string::npos) return host;
+  map.AddError("host",
+               "host is more than a name or an address (expected that alone: port, user and password_file "
+               "are keys beside it)");
+  return {};
+}
+
 MqttSettings ReadMqtt(YamlMap map, const std::filesystem::path& folder) {
   MqttSettings mqtt;
-  mqtt.host = map.Text("host", "127.0.0.1");
+  mqtt.host = ReadHost(map);
   mqtt.port = map.Count("port", 1, 65535, map.has("tls") ? "8883" : "1883");
   mqtt.group = map.Identifier("group", "strainwave");
   mqtt.node = map.Identifier("node");
@@ -269,6 +280,9 @@ ListenSettings ReadListen(YamlMap map, std::string_view port) {
   listen.address = map.Text("address", "127.0.0.1");
   listen.port = map.Count("port", 0, 65535, port);
   listen.connections = static_cast<std::size_t>(map.Count("connections", 1, kMostConnections, "32"));
+  const bool is_open = !IsLoopbackAddress(listen.address) && listen.address != "localhost";
+  // Of several machines, one leaves room for the rest.
+  listen.of_one_network = is_open ? std::max<std::size_t>(listen.connections / 2, 1) : listen.connections;
   listen.idle_after_ms =
       Milliseconds(map.Quantity("idle_after", Dimension::kTime, Bound::kPositive, "1 min"));
   map.Finish();

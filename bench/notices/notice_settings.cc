@@ -91,11 +91,17 @@ struct Server {
 
 // "SCHEME://HOST[:PORT]", or the same with an s behind SCHEME.
 Server ReadServer(YamlMap& map, std::string_view key, std::string_view scheme, int port, int tls_port) {
-  const std::string text = map.Text(key);
+  const std::string text = map.Secret(key);
   const std::string plain = fmt::format("{}://", scheme);
   const std::string safe = fmt::format("{}s://", scheme);
   Server server;
   if (map.is_wrong(key)) return server;
+  if (text.find('@') != std::string::npos) {
+    map.AddError(key, fmt::format("{} holds more than a host and a port (expected user and password_file as "
+                                  "keys of their own)",
+                                  key));
+    return server;
+  }
   server.text = text;
   server.tls = text.starts_with(safe);
   std::string rest = text.substr(server.tls ? safe.size() : std::min(plain.size(), text.size()));
@@ -103,7 +109,7 @@ Server ReadServer(YamlMap& map, std::string_view key, std::string_view scheme, i
   if (!has_port) rest += fmt::format(":{}", server.tls ? tls_port : port);
   try {
     if ((!server.tls && !text.starts_with(plain)) || !IsPlainAscii(text) ||
-        rest.find_first_of("/@?#") != std::string::npos) {
+        rest.find_first_of("/?#") != std::string::npos) {
       throw std::invalid_argument("");
     }
     const TcpAddress address = ParseTcpAddress("tcp:" + rest);
@@ -154,7 +160,7 @@ MailSettings ReadMail(YamlMap map, const std::filesystem::path& folder) {
 WebhookSettings ReadWebhook(YamlMap map, const std::filesystem::path& folder) {
   WebhookSettings webhook;
   const bool in_file = map.has("url_file");
-  webhook.url = in_file ? ReadSecret(map, "url_file", folder) : map.Text("url");
+  webhook.url = in_file ? ReadSecret(map, "url_file", folder) : map.Secret("url");
   if (in_file) {
     map.Text("url", "");
   } else {

@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bench/json_text.h"
+
 namespace strainwave::bench {
 namespace {
 
@@ -26,11 +28,12 @@ std::string NameOf(networks::Activation activation) {
   throw std::logic_error("an activation without a name");
 }
 
-networks::Activation ActivationFrom(const std::string& text) {
+networks::Activation ActivationFrom(const Json& json) {
+  const auto text = json.get<std::string>();
   for (const auto& [value, name] : kActivations) {
     if (text == name) return value;
   }
-  throw std::invalid_argument("activation '" + text + "' (expected linear, relu, sigmoid or tanh)");
+  throw std::invalid_argument("activation " + ShortText(json) + " (expected linear, relu, sigmoid or tanh)");
 }
 
 struct LayerWriter {
@@ -61,7 +64,7 @@ networks::Layer LayerFrom(const Json& json) {
     return networks::MaxPool{json.at("max_pool").get<int>(), json.at("stride").get<int>()};
   }
   if (json.contains("global_average_pool")) return networks::GlobalAveragePool{};
-  throw std::invalid_argument("layer " + json.dump() +
+  throw std::invalid_argument("layer " + ShortText(json) +
                               " (expected dense, convolution, max_pool or global_average_pool)");
 }
 

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/serving/tcp_server.h"
 
+#include <fcntl.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <limits>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -24,6 +27,7 @@ namespace {
 
 constexpr int kPatience_ms = 100;  // in which a stop is seen, and a client that is due
 constexpr std::size_t kBuffer_bytes = 4096;
+constexpr rlim_t kMostKeptFree = 64;  // files, for the rest of the process
 
 int ListenAt(const addrinfo& place) {
   const int listener =
@@ -71,6 +75,22 @@ int PortOf(int listener) {
                                              : reinterpret_cast<const sockaddr_in&>(address).sin_port);
 }
 
+// The lowest descriptor that would leave the process too few.
+int FirstBeyond() {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return std::numeric_limits<int>::max();
+  const rlim_t kept_free = std::min(kMostKeptFree, files.rlim_cur / 4);
+  return static_cast<int>(std::min<rlim_t>(files.rlim_cur - kept_free, std::numeric_limits<int>::max()));
+}
+
+// The same socket under the lowest descriptor that is free now.
+int AtTheLowest(int socket) {
+  const int lowest = ::fcntl(socket, F_DUPFD_CLOEXEC, 0);
+  if (lowest < 0) return socket;
+  ::close(socket);
+  return lowest;
+}
+
 bool WouldWait() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR; }
 
 }  // namespace
@@ -83,6 +103,7 @@ TcpServer::TcpServer(std::string_view name, const ListenSettings& settings, Requ
       most_of_one_(settings.of_one_network),
       idle_after_(settings.idle_after_ms),
       tls_(settings.tls),
+      first_beyond_(FirstBeyond()),
       listener_(Listen(settings)) {
   if (listener_ < 0) {
     throw std::system_error(
@@ -119,17 +140,17 @@ void TcpServer::Serve() {
     for (auto client = clients_.begin(); client != clients_.end();) {
       const bool ready = (++polled)->revents != 0 || client->link->HasMore();
       const bool stays = (!ready || (Receive(*client) && Proceed(*client, now))) && IsWelcome(*client, now);
-      if (!stays) Close(*client);
-      client = stays ? std::next(client) : clients_.erase(client);
+      client = stays ? std::next(client) : Close(client);
     }
     Deliver(now);
     if (sockets[0].revents != 0) LetIn(now);
   }
 }
 
-void TcpServer::Close(const Client& client) {
-  ::close(client.socket);
-  if (client.waits) protocol_.Left(client.caller.id);
+std::list<TcpServer::Client>::iterator TcpServer::Close(std::list<Client>::iterator client) {
+  ::close(client->socket);
+  if (client->waits) protocol_.Left(client->caller.id);
+  return clients_.erase(client);
 }
 
 bool TcpServer::IsWelcome(Client& client, Time now) {
@@ -153,8 +174,7 @@ void TcpServer::Deliver(Time now) {
     const bool stays = keeps_up && Proceed(*client, now);
     if (stays) continue;
     client->waits = true;  // so that it is told of
-    Close(*client);
-    clients_.erase(client);
+    Close(client);
   }
 }
 
@@ -163,35 +183,46 @@ void TcpServer::LetIn(Time now) {
   for (std::size_t i = 0; i < most_clients_; ++i) {
     sockaddr_storage from{};
     socklen_t size = sizeof(from);
-    const int socket =
+    int socket =
         ::accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (socket < 0 && (errno == EMFILE || errno == ENFILE)) {
       // The next round finds a descriptor.
-      clients_.empty() ? static_cast<void>(::poll(nullptr, 0, kPatience_ms)) : CloseLongestIdle({});
+      clients_.empty() ? static_cast<void>(::poll(nullptr, 0, kPatience_ms)) : MakeRoom({});
     }
     if (socket < 0) return;
     const std::string address = AddressText(from);
     const std::string network = NetworkOf(address);
     const auto of_one = std::ranges::count(clients_, network, &Client::network);
-    if (static_cast<std::size_t>(of_one) >= most_of_one_) CloseLongestIdle(network);
-    if (clients_.size() >= most_clients_) CloseLongestIdle({});
+    if (static_cast<std::size_t>(of_one) >= most_of_one_) MakeRoom(network);
+    if (clients_.size() >= most_clients_ || socket >= first_beyond_) MakeRoom({});
+    if (socket >= first_beyond_) socket = AtTheLowest(socket);
     clients_.push_back({.socket = socket,
                         .link = tls_ == nullptr ? PlainLink(socket) : tls_->Link(socket),
                         .caller = {++last_id_, address, AddressText(OwnEnd(socket))},
                         .network = network,
                         .served = now});
+    // What it has sent already is looked at before another one may take its place.
+    const auto client = std::prev(clients_.end());
+    if (!Receive(*client) || !Proceed(*client, now)) Close(client);
   }
 }
 
-void TcpServer::CloseLongestIdle(std::string_view network) {
+void TcpServer::MakeRoom(std::string_view network) {
+  auto stranger = clients_.end();
   auto idle = clients_.end();
+  std::size_t all = 0;
+  std::size_t strangers = 0;
   for (auto client = clients_.begin(); client != clients_.end(); ++client) {
     if (!network.empty() && client->network != network) continue;
-    if (idle == clients_.end() || client->served < idle->served) idle = client;
+    const bool is_served = client->answered && !client->closes;
+    auto& longest = is_served ? idle : stranger;
+    if (longest == clients_.end() || client->served < longest->served) longest = client;
+    ++all;
+    strangers += is_served ? 0 : 1;
   }
-  if (idle == clients_.end()) return;
-  Close(*idle);
-  clients_.erase(idle);
+  const bool are_many = strangers >= std::max<std::size_t>(all / 2, 1);
+  const auto leaves = are_many ? stranger : idle;
+  if (leaves != clients_.end()) Close(leaves);
 }
 
 bool TcpServer::Receive(Client& client) {
@@ -258,6 +289,7 @@ bool TcpServer::Proceed(Client& client, Time now) {
     client.received.erase(0, *length);
     client.unsent = std::move(reply.bytes);
     client.served = now;
+    client.answered = true;
     client.due.reset();
     client.waits = reply.waits;
     if (reply.closes) {

@@ -22,7 +22,7 @@ namespace strainwave::bench {
 struct ListenSettings {
   std::string address;
   int port{};                               // 0: any free one
-  std::size_t connections{32};              // at a time; one more takes the place of the longest idle
+  std::size_t connections{32};              // at a time; one more takes the place of another
   std::size_t of_one_network{connections};  // likewise of one machine (NetworkOf)
   std::int64_t idle_after_ms{60'000};
   const TlsIdentity* tls{};  // outlives the server; nothing: not encrypted
@@ -82,8 +82,10 @@ struct ServerLimits {
 };
 
 /// Answers many clients from one thread, which waits for all of them at once and for none: a new client
-/// always gets in, in place of the one that has said nothing for the longest where there are as many as the
-/// settings allow. Closed are those that have said nothing for `idle_after`, unless they were told to wait,
+/// always gets in. Where there are as many as the settings allow, or the process has few files left, it takes
+/// the place of the longest idle: of the strangers, who have had no answer yet or all that they get, while
+/// these are half of all or more; else of those who are served. So whoever only connects takes at most half
+/// of the places. Closed are those that have said nothing for `idle_after`, unless they were told to wait,
 /// and those that go beyond the limits. A client that waits costs a socket, and no thread.
 class TcpServer {
  public:
@@ -109,6 +111,7 @@ class TcpServer {
     RequestProtocol::Caller caller{};
     std::string network{};      // of the caller
     Time served{};              // the last time that it was given an answer, or let in
+    bool answered{};            // at least once
     std::optional<Time> due{};  // by which the rest of a request must have come, and an answer have gone
     std::string received{};
     std::string unsent{};
@@ -119,9 +122,10 @@ class TcpServer {
 
   void Serve();
   void LetIn(Time now);
-  /// @param network  of whom; empty: of all.
-  void CloseLongestIdle(std::string_view network);
-  void Close(const Client& client);
+  /// Closes one. @param network  of whom; empty: of all.
+  void MakeRoom(std::string_view network);
+  /// @return the one after it.
+  std::list<Client>::iterator Close(std::list<Client>::iterator client);
   void Deliver(Time now);
   /// False where the client is to be closed.
   bool IsWelcome(Client& client, Time now);
@@ -137,6 +141,7 @@ class TcpServer {
   const std::size_t most_of_one_;
   const std::chrono::milliseconds idle_after_;
   const TlsIdentity* const tls_;
+  const int first_beyond_;
   int listener_{-1};
   int port_{};
   RequestProtocol::ClientId last_id_{};

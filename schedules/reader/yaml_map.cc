@@ -15,6 +15,16 @@
 #include "schedules/reader/yaml_text.h"
 
 namespace strainwave::schedules {
+namespace {
+
+constexpr std::size_t kLongestLine = 200;
+constexpr const char* kOneLine = "one line of 1 to 200 characters";
+
+bool IsOneLine(const std::string& text) {
+  return !text.empty() && text.size() <= kLongestLine && text.find('\n') == std::string::npos;
+}
+
+}  // namespace
 
 YamlMap::YamlMap(const YamlNode& root, ReadContext& context)
     : YamlMap(&root, {}, root.line, root.column, false, context) {}
@@ -198,15 +208,24 @@ bool YamlMap::Flag(std::string_view key, std::optional<std::string_view> default
 }
 
 std::string YamlMap::Text(std::string_view key, std::optional<std::string_view> default_text) {
-  constexpr std::size_t kLongest = 200;
-  const std::string expectation = fmt::format("one line of 1 to {} characters", kLongest);
-  return Read(key, expectation, default_text, std::string(), [&](const std::string& text) {
+  return Read(key, kOneLine, default_text, std::string(), [&](const std::string& text) {
     const bool from_file = Find(key) != nullptr;
-    if (from_file && (text.empty() || text.size() > kLongest || text.find('\n') != std::string::npos)) {
-      throw std::invalid_argument(fmt::format("not usable (expected {})", expectation));
+    if (from_file && !IsOneLine(text)) {
+      throw std::invalid_argument(fmt::format("not usable (expected {})", kOneLine));
     }
     return text;
   });
+}
+
+std::string YamlMap::Secret(std::string_view key, std::optional<std::string_view> default_text) {
+  const std::optional<std::string> text = Scalar(key, kOneLine, default_text);
+  if (!text || Find(key) == nullptr) return text.value_or("");
+  context_->origins[PathOf(key)].text.clear();
+  if (IsOneLine(*text)) return *text;
+  AddError(key,
+           fmt::format("{} is not usable (expected {}; it may be secret and is not shown)", key, kOneLine));
+  MarkWrong(key);
+  return {};
 }
 
 std::string YamlMap::Identifier(std::string_view key, std::optional<std::string_view> default_text) {

@@ -60,6 +60,8 @@ class YamlMap {
   bool Flag(std::string_view key, std::optional<std::string_view> default_text = {});
   /// One line of 1 to 200 characters; a default may be empty.
   std::string Text(std::string_view key, std::optional<std::string_view> default_text = {});
+  /// The same of what only some may know: no message repeats it.
+  std::string Secret(std::string_view key, std::optional<std::string_view> default_text = {});
   /// A list of such lines, or a single one; an absent one is empty.
   std::vector<std::string> TextList(std::string_view key);
   /// Letters, digits, '-' and '_': what may name a folder or a group.

@@ -89,11 +89,11 @@ class TreeBuilder final : public YAML::EventHandler {
     if (anchor != 0) findings_.AddError(mark.line + 1, mark.column + 1, "anchor (expected plain values)");
   }
 
-  // The parser reports plain values as "?" and quoted ones as "!".
+  // The parser reports plain values as "?" and quoted ones as "!". A tag may be half of somebody's password.
   void RefuseTag(const YAML::Mark& mark, const std::string& tag) {
     if (tag.empty() || tag == "?" || tag == "!") return;
     findings_.AddError(mark.line + 1, mark.column + 1,
-                       fmt::format("tag '{}' (expected plain values)", Shortened(tag)));
+                       "tag (expected plain values; a text that begins with '!' stands in quotes)");
   }
 
   FindingList& findings_;

@@ -119,6 +119,27 @@ TEST(MonitorSettings, APasswordComesFromAFileOrTheEnvironment) {
             "m.yaml:5:18: error: password_file names a second place for the password (expected one)");
 }
 
+TEST(MonitorSettings, WhatIsSecretIsRepeatedInNoMessage) {
+  const std::string mqtt = "monitor: 1\nmqtt:\n  node: b\n";
+  const std::string not_usable =
+      "m.yaml:4:13: error: password is not usable (expected one line of 1 to 200 characters; it may be "
+      "secret "
+      "and is not shown)";
+  EXPECT_EQ(ErrorsOf(mqtt + "  password: |\n    open sesame\n"), not_usable);
+  EXPECT_EQ(ErrorsOf(mqtt + "  password: \"open\\nsesame\"\n"), not_usable);
+  EXPECT_EQ(ErrorsOf(mqtt + "  password: " + std::string(201, 'x') + "\n"), not_usable);
+  EXPECT_EQ(ErrorsOf(mqtt + "  password: [open, sesame]\n"),
+            "m.yaml:4:13: error: password is a list (expected one line of 1 to 200 characters)");
+  EXPECT_EQ(ErrorsOf(mqtt + "  password: !sesame\n"),
+            "m.yaml:4:13: error: tag (expected plain values; a text that begins with '!' stands in quotes)");
+  for (const char* host : {"mqtt://bench:sesame@broker", "bench:sesame@broker", "broker/sesame"}) {
+    EXPECT_EQ(
+        ErrorsOf(mqtt + "  host: \"" + host + "\"\n"),
+        "m.yaml:4:9: error: host is more than a name or an address (expected that alone: port, user and "
+        "password_file are keys beside it)");
+  }
+}
+
 // A pipe that nobody writes to would be waited for, a device of zeros be read for ever.
 TEST(MonitorSettings, AFileThatHasNoEndOrIsTooLargeIsRefused) {
   const TestFolder folder;
@@ -163,6 +184,16 @@ TEST(MonitorSettings, AServerHasRoomForSoManyClientsAndSoMuchPatience) {
   EXPECT_EQ(settings.prometheus->idle_after_ms, 60'000);
   EXPECT_EQ(ErrorsOf("monitor: 1\nmodbus: {connections: 501}\n"),
             "m.yaml:2:23: error: connections = 501: out of range (expected a whole number from 1 to 500)");
+}
+
+TEST(MonitorSettings, OneMachineOfSeveralGetsHalfOfAServersConnections) {
+  const auto of_one = [](const std::string& keys) {
+    return ParseMonitorSettings("monitor: 1\nmodbus: {" + keys + "}\n", "m.yaml").modbus->of_one_network;
+  };
+  EXPECT_EQ(of_one("connections: 500"), 500U) << "all come from this one";
+  EXPECT_EQ(of_one("connections: 500, address: localhost"), 500U);
+  EXPECT_EQ(of_one("connections: 500, address: 0.0.0.0"), 250U);
+  EXPECT_EQ(of_one("connections: 1, address: 192.0.2.7"), 1U);
 }
 
 TEST(MonitorSettings, TlsNeedsAnAuthorityAndBothHalvesOfACertificate) {

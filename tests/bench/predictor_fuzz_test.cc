@@ -258,6 +258,25 @@ TEST_F(PredictorFolder, RefusesWhatDoesNotFit) {
             "written it)");
 }
 
+TEST_F(PredictorFolder, RefusesALayerInFewWordsHoweverLongItIs) {
+  const Json whole = Json::parse(Read(folder_ / "predictor.json"));
+  const auto refusal_with = [&](const char* place, const Json& value) {
+    Json changed = whole;
+    changed[Json::json_pointer(place)] = value;
+    Write(folder_ / "predictor.json", changed.dump());
+    return Refusal();
+  };
+  const std::string file = (folder_ / "predictor.json").string() + ": error: cannot be used: ";
+  const std::string as_written = " (expected the file as it was written)";
+  const std::string text(5000, 'x');
+  EXPECT_EQ(refusal_with("/network/layers/0", {{"sparse", text}}),
+            file + R"(layer {"sparse":")" + std::string(49, 'x') +
+                "... (expected dense, convolution, max_pool or global_average_pool)" + as_written);
+  EXPECT_EQ(refusal_with("/network/layers/0/activation", text),
+            file + "activation \"" + std::string(59, 'x') + "... (expected linear, relu, sigmoid or tanh)" +
+                as_written);
+}
+
 // libhdf5 itself does not outlive every damaged file: the checksum is read before it is asked.
 TEST_F(PredictorFolder, RefusesDamagedNumbersBeforeHdf5SeesThem) {
   const std::string whole = Read(folder_ / "numbers.h5");

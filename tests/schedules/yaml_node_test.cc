@@ -100,8 +100,9 @@ TEST(ParseYaml, RefusesAliasesSoThatNothingMultiplies) {
 }
 
 TEST(ParseYaml, RefusesTagsAndSecondDocuments) {
-  EXPECT_EQ(MessageOf("schedule: !version 1\n"),
-            "small.yaml:1:11: error: tag '!version' (expected plain values)");
+  EXPECT_EQ(
+      MessageOf("schedule: !version 1\n"),
+      "small.yaml:1:11: error: tag (expected plain values; a text that begins with '!' stands in quotes)");
   EXPECT_EQ(MessageOf("schedule: 1\n---\nname: b\n"),
             "small.yaml:2:1: error: a second document begins (expected one in a file)");
 }

@@ -147,6 +147,22 @@ TEST_F(NoticeSecrets, AreTheFirstLineOfAFile) {
   EXPECT_EQ(Read(Mail("user: u, password_file: secret, tls: none")).mail->tls, MailTls::kNone);
 }
 
+TEST_F(NoticeSecrets, AreRepeatedInNoMessage) {
+  const std::string at = (folder_ / "n.yaml").string() + ":3:";
+  const std::string from = ", from: a@b, to: a@b}\n";
+  const std::string in_address =
+      " holds more than a host and a port (expected user and password_file as keys of their own)";
+  EXPECT_EQ(Errors("  mail: {server: \"smtp://bench:sesame@h\"" + from),
+            at + "18: error: server" + in_address);
+  EXPECT_EQ(Errors("  mqtt: {broker: \"mqtt://bench:sesame@h:1883\"}\n"),
+            at + "18: error: broker" + in_address);
+  const std::string not_usable =
+      " is not usable (expected one line of 1 to 200 characters; it may be secret and is not shown)";
+  EXPECT_EQ(Errors("  mail: {server: \"smtp://bench:sesame@h\\n\"" + from),
+            at + "18: error: server" + not_usable);
+  EXPECT_EQ(Errors("  webhook: {url: \"https://h/sesame\\n\"}\n"), at + "18: error: url" + not_usable);
+}
+
 TEST_F(NoticeSecrets, AreMissedInWords) {
   const std::string at = (folder_ / "n.yaml").string() + ":3:";
   EXPECT_EQ(Errors(Mail("user: u, password_file: missing")),

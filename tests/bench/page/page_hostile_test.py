@@ -14,11 +14,13 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "peers"))
+import flood  # noqa: E402
 import live_page  # noqa: E402
 from waiting import until  # noqa: E402
 
 HOST = b"Host: localhost\r\n"
 MiB = 1 << 20
+CONNECTIONS = 300
 
 
 def head(line, *lines):
@@ -41,8 +43,7 @@ class Attack(live_page.RunningCampaign):
         self.assertEqual(self.process.wait(live_page.PATIENCE_s), 130)
 
     def memory_bytes(self):
-        status = pathlib.Path(f"/proc/{self.page.process.pid}/status").read_text()
-        return 1024 * int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1])
+        return flood.peak_memory_bytes(self.page.process)
 
 
 class ByRequests(Attack):
@@ -116,6 +117,21 @@ class ByRequests(Attack):
             client.connect(("127.0.0.1", self.page.port))
             client.sendall(head(b"GET /uplot.mjs"))
         self.assertEqual(self.page.state()["state"], "running")
+
+
+    def test_of_hundreds_who_are_idle_or_slow_or_send_no_request(self):
+        stream, files, before = self.page.stream(), flood.open_files(self.page.process), self.memory_bytes()
+        self.addCleanup(stream.close)
+        strangers = flood.Flood(self.page.port, head(b"POST /api/v1/actions", b"Content-Length: 4000")[:-2])
+        self.addCleanup(strangers.kill)
+        for _ in range(5):
+            stream.next("alive", "state")
+            self.assertEqual(self.page.state()["state"], "running")
+            self.assertLess(flood.open_files(self.page.process), files + CONNECTIONS + 20)
+        strangers.until_closed()
+        stream.next("alive", "state")
+        self.assertLess(self.memory_bytes(), before + 32 * MiB)
+        print(f"memory {before / MiB:.1f} to {self.memory_bytes() / MiB:.1f} MiB", file=sys.stderr)
 
 
 class ByActions(Attack):

@@ -52,6 +52,8 @@ class Lines : public RequestProtocol {
     }
     server.Wake();
   }
+  // As long as it is held, the server lets nobody in.
+  std::unique_lock<std::mutex> Hold() { return std::unique_lock(mutex_); }
   std::size_t waiting() {
     const std::lock_guard lock(mutex_);
     return waiting_.size();
@@ -176,6 +178,44 @@ TEST_F(TcpServerTest, LeavesRoomForOthersThanAMachineThatTakesAllItGets) {
   EXPECT_EQ(first.Receive(kMany), "news\n");
   EXPECT_EQ(greedy.front().Receive(kMany), "") << "closed for one of its own";
   EXPECT_EQ(greedy.back().Receive(kMany), "news\n");
+}
+
+TEST_F(TcpServerTest, LeavesHalfOfThePlacesToThoseWhoAreServed) {
+  TcpServer small("lines", {.address = "127.0.0.1", .connections = 4}, lines_);
+  std::list<Client> served;
+  for (int i = 0; i < 3; ++i) {
+    served.emplace_back(small.port()).Send("wait\n");
+    EXPECT_EQ(served.back().Receive(6), "hello\n");
+  }
+  std::list<Client> strangers;
+  for (int i = 0; i < 20; ++i) strangers.emplace_back(small.port());
+  EXPECT_EQ(strangers.front().Receive(kMany), "") << "closed for one of its own kind";
+  EXPECT_EQ(served.front().Receive(kMany), "") << "the one of them that is beyond the half";
+  strangers.back().Send("echo\n");
+  EXPECT_EQ(strangers.back().Receive(kMany), "echo\n");
+  lines_.Give(small, "news\n", true);
+  EXPECT_EQ(std::next(served.begin())->Receive(kMany), "news\n");
+  EXPECT_EQ(served.back().Receive(kMany), "news\n");
+}
+
+TEST_F(TcpServerTest, LetsInANewClientThoughAllOthersAreServed) {
+  TcpServer small("lines", {.address = "127.0.0.1", .connections = 2}, lines_);
+  std::list<Client> served;
+  for (int i = 0; i < 3; ++i) {
+    served.emplace_back(small.port()).Send("wait\n");
+    EXPECT_EQ(served.back().Receive(6), "hello\n");
+  }
+  EXPECT_EQ(served.front().Receive(kMany), "");
+}
+
+TEST_F(TcpServerTest, AnswersARequestThatIsThereBeforeAnotherTakesItsPlace) {
+  TcpServer everywhere("lines", {.address = "0.0.0.0", .connections = 8, .of_one_network = 1}, lines_);
+  std::list<Client> clients;
+  {
+    const auto held = lines_.Hold();
+    for (int i = 0; i < 8; ++i) clients.emplace_back(everywhere.port()).Send("echo\n");
+  }
+  for (Client& client : clients) EXPECT_EQ(client.Receive(kMany), "echo\n");
 }
 
 TEST_F(TcpServerTest, HasLastWordsForWhoSendsTooMuchOrTooSlowly) {
