@@ -14,8 +14,8 @@
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/disk_room.h"
 #include "bench/campaign/kept_files.h"
-#include "bench/campaign/salvage_note.h"
 #include "bench/campaign/run_begun.h"
+#include "bench/campaign/salvage_note.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/pace.h"
@@ -27,7 +27,9 @@
 #include "bench/controller/interlocks.h"
 #include "bench/errors/bench_error.h"
 #include "bench/machines/make_machine.h"
+#include "bench/spare_memory.h"
 #include "bench/utc.h"
+#include "daq/cycle_file.h"
 #include "daq/software.h"
 
 namespace strainwave::bench {
@@ -111,6 +113,9 @@ void NoteUnwatchedLimits(const BenchDescription& bench, Journal& journal) {
 
 int Run(const RunOptions& options) {
   ListenForRequests();
+  { const SpareMemory enough; }  // for what comes next
+  daq::SetUpHdf5();
+  const SpareMemory spare;
   const LiveOutput output([] { return Requested() != StopRequest::kNone; });
   const double pace = ParsePace(options.pace);
   if (options.serves) CheckPageOptions(options.page);
@@ -175,7 +180,8 @@ int Run(const RunOptions& options) {
     journal.AddEvent({begins_s, UtcNow(), journal.LastCompleteCycle() + 1, "", "info", "software",
                       std::string(daq::Software())});
     journal.SetProperty(kRunPace, options.pace);
-    journal.SetProperty(kRunBegun, TextOf({UtcMilliseconds(), begins_s, ::getpid()}));
+    const Moment now = Now();
+    journal.SetProperty(kRunBegun, TextOf({now.utc_ms, begins_s, ::getpid(), now.since_boot_ms, now.boot}));
     try {
       end = runner.Run(resume.value_or(ResumePoint{}));
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
