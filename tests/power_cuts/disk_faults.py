@@ -34,6 +34,7 @@ LONGEST_S = 60
 MACHINE_FAILED = 3
 FAULTS = [(name, lasting) for name in ("EIO", "ENOSPC", "EDQUOT", "EROFS") for lasting in (False, True)]
 WORDS = "|".join(os.strerror(getattr(errno, name)) for name in ("EIO", "ENOSPC", "EDQUOT", "EROFS")) + "|disk is full"
+WORDS += "|unable to open database file"  # SQLite tries it in another way, and tells why that failed
 STOPPED = "stopped: torque is off, brakes are on"
 
 

@@ -83,7 +83,7 @@ class UnderLoad(unittest.TestCase):
         campaign.start().reach()
         for more in ([], ["--resume"]):
             second = subprocess.run([*map(str, campaign.command), *more], capture_output=True, text=True, check=False,
-                                    stdin=subprocess.DEVNULL)
+                                    stdin=subprocess.DEVNULL, timeout=60)
             self.assertEqual(second.returncode, WRONG_INPUT)
             self.assertEqual(second.stderr.splitlines()[-1], f"{campaign.out}: error: " + (
                 f"the campaign is running in process {campaign.process.pid} (expected a folder that no other process runs)"
