@@ -72,7 +72,7 @@ class OfASimulatedBench(unittest.TestCase):
             until(lambda: (folder / "checkpoint").exists())
             while process.poll() is None:
                 meanwhile(folder)
-                time.sleep(0.2)
+                time.sleep(0.5)
             words.seek(0)
             self.assertEqual(process.returncode, 0, words.read())
         journal = campaign_journal.read(folder)
