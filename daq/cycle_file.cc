@@ -30,6 +30,8 @@ Attributes WithFormat(const Attributes& attributes) {
   return with_format;
 }
 
+void SetUpHdf5() { const Hdf5Silence first_use; }
+
 void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const NamedRecord> records,
                             const Attributes& attributes) {
   if (records.empty()) throw std::invalid_argument(fmt::format("no record to write to '{}'", path.string()));

@@ -28,6 +28,10 @@ struct CycleFile {
   std::vector<NamedRecord> records;  // in the order written; `group` with its leading slash
 };
 
+/// What HDF5 sets up at its first use. It crashes where it gets no memory for that: to be called before
+/// anything moves.
+void SetUpHdf5();
+
 /// With the version of the format before them, as every file of records says it.
 Attributes WithFormat(const Attributes& attributes);
 

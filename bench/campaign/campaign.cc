@@ -111,7 +111,8 @@ class Beginning {
   }
 
   void MakeFolder(const std::filesystem::path& folder) {
-    if (daq::MakeFolders(folder)) made_.push_back(folder);
+    if (!std::filesystem::exists(folder)) made_.push_back(folder);
+    daq::MakeFolders(folder);
   }
   void WriteFile(const std::filesystem::path& file, const std::string& text) {
     if (!std::filesystem::exists(file)) made_.push_back(file);

@@ -17,6 +17,7 @@
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/controller/make_program.h"
 #include "bench/sha256.h"
+#include "bench/spare_memory.h"
 #include "bench/utc.h"
 #include "daq/cycle_file.h"
 
@@ -154,6 +155,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::CheckBetweenPhases() {
+  SpareMemory::DemandKept();
   PhaseOutcome outcome;
   outcome.reason.cause = CauseOf(request_.load());
   if (!outcome.reason) return std::nullopt;
@@ -216,6 +218,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
 
   auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
+    SpareMemory::DemandKept();
     held_.DemandInPlace();
     WatchDisk();
     ShowLive(now.readings);
@@ -285,6 +288,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view phase) {
   const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot& now, const PhaseProgram&) {
+    SpareMemory::DemandKept();
     held_.DemandInPlace();
     WatchDisk();
     ShowLive(now.readings);

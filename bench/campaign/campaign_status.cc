@@ -37,7 +37,7 @@ double CreditedInStep_s(const std::vector<PhaseRow>& rows) {
 
 // Bench time a second of the world's, since the program that runs has begun.
 std::optional<double> PaceOf(const RunBegun& begun, const Checkpoint& checkpoint) {
-  const double world_s = 1e-3 * static_cast<double>(checkpoint.written.utc_ms - begun.utc_ms);
+  const double world_s = PauseBetween(begun.moment(), checkpoint.written).length_s.value_or(0.0);
   constexpr double kLongEnough_s = 2.0;
   if (world_s < kLongEnough_s || checkpoint.time_s <= begun.time_s) return std::nullopt;
   return (checkpoint.time_s - begun.time_s) / world_s;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/database.h"
 
+#include <cerrno>
+#include <system_error>
+
 #include <fmt/core.h>
 #include <sqlite3.h>
 
@@ -8,6 +11,19 @@
 #include "daq/synced_folder.h"
 
 namespace strainwave::bench {
+namespace {
+
+// What SQLite says, and where it was the machine that refused, what that said: no quota, no descriptor ...
+// @param refused  errno; sqlite3_system_errno() does not know that of a commit.
+std::string WordsOf(sqlite3* database, int refused) {
+  const std::string words = sqlite3_errmsg(database);
+  const int code = sqlite3_errcode(database) & 0xff;
+  const bool by_machine = code == SQLITE_IOERR || code == SQLITE_CANTOPEN;
+  return !by_machine || refused == 0 ? words
+                                     : fmt::format("{}: {}", words, std::generic_category().message(refused));
+}
+
+}  // namespace
 
 DatabaseError::DatabaseError(const std::filesystem::path& file, int code, const std::string& message)
     : std::runtime_error(fmt::format("{}: error: {}", file.string(), message)), code_(code) {}
@@ -27,7 +43,7 @@ void Statement::Check(int code) const {
     throw DatabaseError(file_, code,
                         "a page does not match its checksum (expected the file as it was written)");
   }
-  throw DatabaseError(file_, code, sqlite3_errmsg(database_));
+  throw DatabaseError(file_, code, WordsOf(database_, errno));
 }
 
 Statement& Statement::Bind(std::int64_t value) {
@@ -60,6 +76,7 @@ Statement& Statement::BindNull() {
 }
 
 bool Statement::Step() {
+  errno = 0;
   const int code = sqlite3_step(statement_.get());
   Check(code);
   return code == SQLITE_ROW;
@@ -118,10 +135,11 @@ void Database::Close::operator()(sqlite3* database) const {
 
 void Database::Open(int flags, Sharing sharing) {
   sqlite3* opened = nullptr;
+  errno = 0;
   const int code = sqlite3_open_v2(file_.c_str(), &opened, flags, CheckedPages(sharing));
   database_.reset(opened);
   if (code != SQLITE_OK) {
-    throw DatabaseError(file_, code, opened == nullptr ? "out of memory" : sqlite3_errmsg(opened));
+    throw DatabaseError(file_, code, opened == nullptr ? "out of memory" : WordsOf(opened, errno));
   }
   sqlite3_busy_timeout(database_.get(), 5000);
 }
@@ -171,12 +189,9 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
 Statement Database::Prepare(std::string_view sql) const { return Statement(database_.get(), file_, sql); }
 
 void Database::Execute(const std::string& sql) const {
-  char* message = nullptr;
-  const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, &message);
-  if (code == SQLITE_OK) return;
-  const std::string text = message == nullptr ? "unknown" : message;
-  sqlite3_free(message);
-  throw DatabaseError(file_, code, text);
+  errno = 0;
+  const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) throw DatabaseError(file_, code, WordsOf(database_.get(), errno));
 }
 
 std::int64_t Database::LastInsertId() const { return sqlite3_last_insert_rowid(database_.get()); }

@@ -19,6 +19,14 @@ namespace {
 
 using strainwave::bench::ExitCode;
 
+constexpr const char* kNoMemory =
+    "error: the machine has no memory left for this program (expected more: end what else runs, or raise the "
+    "limit that `ulimit -v` shows)";
+
+constexpr const char* kNoThread =
+    "error: the machine refuses this program another thread (expected more memory or threads: end what else "
+    "runs, or raise the limits that `ulimit -v` and `ulimit -u` show)";
+
 int Fail(ExitCode code, const char* message) {
   strainwave::bench::ToStderr("{}\n", message);
   return static_cast<int>(code);
@@ -38,7 +46,11 @@ int Guarded(const strainwave::bench::Action& action) {
     return Fail(ExitCode::kMachineFailed, error.what());
   } catch (const strainwave::bench::DatabaseError& error) {
     return Fail(ExitCode::kMachineFailed, error.what());
+  } catch (const std::bad_alloc&) {
+    return Fail(ExitCode::kMachineFailed, kNoMemory);
   } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again)
+      return Fail(ExitCode::kMachineFailed, kNoThread);
     return Fail(ExitCode::kMachineFailed, fmt::format("error: {}", error.what()).c_str());
   } catch (const std::invalid_argument& error) {
     return Fail(ExitCode::kWrongInput, fmt::format("error: {}", error.what()).c_str());

@@ -59,12 +59,16 @@ class Stream {
   // From now on by a thread; what is written to stays in its way no longer.
   void Serve(std::function<bool()> stop_asked, bool drops) {
     const std::lock_guard lock(mutex_);
-    drops_ = drops;
-    if (served_) return;
-    served_ = true;
-    stop_asked_ = std::move(stop_asked);
-    // Nobody can join a thread that a stopped terminal holds: it ends with the process.
+    if (served_) {
+      drops_ = drops;
+      return;
+    }
+    // Nobody can join a thread that a stopped terminal holds: it ends with the process. Where the machine
+    // refuses one, words are written as before.
     std::thread([this] { WriteAsItComes(); }).detach();
+    served_ = true;
+    drops_ = drops;
+    stop_asked_ = std::move(stop_asked);
   }
 
   void DropNothing() {

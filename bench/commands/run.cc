@@ -29,7 +29,9 @@
 #include "bench/errors/bench_error.h"
 #include "bench/machines/make_machine.h"
 #include "bench/safety/interlocks.h"
+#include "bench/spare_memory.h"
 #include "bench/utc.h"
+#include "daq/cycle_file.h"
 #include "daq/software.h"
 
 namespace strainwave::bench {
@@ -207,7 +209,8 @@ void NoteBegin(const RunOptions& options, Journal& journal, double begins_s, int
   journal.AddEvent({begins_s, UtcNow(), journal.LastCompleteCycle() + 1, "", "info", "software",
                     std::string(daq::Software())});
   journal.SetProperty(kRunPace, options.pace);
-  journal.SetProperty(kRunBegun, TextOf({UtcMilliseconds(), begins_s, ::getpid()}));
+  const Moment now = Now();
+  journal.SetProperty(kRunBegun, TextOf({now.utc_ms, begins_s, ::getpid(), now.since_boot_ms, now.boot}));
   NoteRunBegins(journal, restart);
   transaction.Commit();
 }
@@ -260,6 +263,9 @@ void TellOfEnd(const RunOptions& options, const CampaignEnd& end) {
 
 int Run(RunOptions options) {
   ListenForRequests();
+  { const SpareMemory enough; }  // for what comes next
+  daq::SetUpHdf5();
+  const SpareMemory spare;
   const LiveOutput output([] { return Requested() != StopRequest::kNone; });
   ParsePace(options.pace);
   if (options.serves) CheckPageOptions(options.page);

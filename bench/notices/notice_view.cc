@@ -52,7 +52,7 @@ NoticeView NoticeViewOf(const CampaignSnapshot& snapshot, const std::string& fol
   for (const auto& sign : {progress.live_taken, progress.checkpoint_written}) {
     if (sign) take(PauseBetween(*sign, now).length_s);
   }
-  if (progress.run_begun) take(1e-3 * static_cast<double>(now.utc_ms - progress.run_begun->utc_ms));
+  if (progress.run_begun) take(PauseBetween(progress.run_begun->moment(), now).length_s);
   return view;
 }
 

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -24,6 +25,18 @@ class Outcome:
     last_operation: str
     syncs: int
     failed_sync: str
+    met: int  # operations that a fault may be in
+    failed: str  # the first that failed by the plan of faults
+
+
+def ended(server):
+    """What it has to say at its end. A signal between two of libfuse's looks is not seen until the next one."""
+    while True:
+        server.terminate()
+        try:
+            return server.communicate(timeout=1)[0]
+        except subprocess.TimeoutExpired:
+            continue
 
 
 class CutDisk:
@@ -39,6 +52,14 @@ class CutDisk:
     def side(self, name):
         return self.folder / name / "campaign"
 
+    def mend(self):
+        """A fault that lasts is over."""
+        self.serving.send_signal(signal.SIGUSR1)
+
+    def change_pace(self):
+        """Writes become slow, or quick again."""
+        self.serving.send_signal(signal.SIGUSR2)
+
     @contextlib.contextmanager
     def mounted(self, **options):
         """Yields where it is mounted, and what comes to hold what the server has to say at the end."""
@@ -46,16 +67,13 @@ class CutDisk:
             shutil.rmtree(self.folder / name, ignore_errors=True)
         words = [f"{name.replace('_', '-')}={value}" for name, value in options.items() if value is not None]
         command = [self.server, self.folder, self.folder / "mounted", *words]
-        server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        server = self.serving = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         report = {}
         try:
             assert server.stdout.readline() == "mounted\n", "the file system of the test could not be mounted"
             yield self.folder / "mounted", report
         finally:
-            server.terminate()
-            text, _ = server.communicate()
-            if text:
-                report.update(json.loads(text))
+            report.update(json.loads(ended(server) or "{}"))
 
     def run(self, *commands, environment, **options):
         """Runs each command, which gets the folder of the campaign, one after the other; until the power is cut."""

@@ -2,14 +2,17 @@
 // A file system whose power goes with the k-th operation; README.md says what it promises.
 //
 //   power_cut_disk FOLDER MOUNTPOINT [cut-at=K] [fail-sync=N [cut-after=J]] [forget=END] [seed=S]
+//                  [fail-at=K errno=E [lasting=1] [only=OPERATION]] [write-ms=T]
 //
 // Begins with what lies in FOLDER/disk. With the K-th operation that changes something or syncs, the process
 // that asked is killed, FOLDER/seen gets what it saw, FOLDER/synced what was promised to stay, and
 // FOLDER/disk what stays. From then on everything is answered with EIO. Without a cut the same happens when
 // the file system is unmounted (SIGTERM). The N-th sync fails, once; the power may go J operations after
-// that. Syncs of what has a name with this END do nothing. Standard output: "mounted", and at the end a line
-// of JSON.
+// that. Syncs of what has a name with this END do nothing. fail-at and write-ms: fault_plan.h; with SIGUSR1 a
+// fault that lasts is over, with SIGUSR2 writes become slow, or quick. Standard output: "mounted", and at the
+// end a line of JSON.
 #define FUSE_USE_VERSION 314
+#include <fcntl.h>
 #include <fuse_lowlevel.h>
 #include <sys/prctl.h>
 
@@ -24,6 +27,7 @@
 #include <string>
 
 #include "tests/power_cuts/disk.h"
+#include "tests/power_cuts/fault_plan.h"
 
 namespace strainwave::power_cuts {
 namespace {
@@ -40,6 +44,7 @@ struct PowerCutDisk {
   unsigned long fail_sync{};  // syncs from 1; 0: none
   unsigned long cut_after{};  // operations from the failed sync; 0: never
   std::optional<std::string> forgotten{};
+  FaultPlan faults{};
   unsigned long operations{};
   unsigned long syncs{};
   bool off{};
@@ -99,6 +104,18 @@ void WithPower(fuse_req_t request, Answer answer) {
   }
 }
 
+/// The same for an operation that the plan of faults may have fail.
+template <typename Answer>
+void WithFaults(fuse_req_t request, Operation operation, const std::string& name, Answer answer) {
+  WithPower(request, [&](PowerCutDisk& served) {
+    if (const int error = served.faults.Meet(operation, name); error != 0) {
+      fuse_reply_err(request, error);
+    } else {
+      answer(served);
+    }
+  });
+}
+
 /// After a change: the answer is EIO where the power went with it.
 void ReplyToChange(fuse_req_t request, const char* what, Number number) {
   fuse_reply_err(request, Of(request).Count(request, what, number) ? EIO : 0);
@@ -110,7 +127,7 @@ void Init(void*, fuse_conn_info* connection) {
 }
 
 void LookUp(fuse_req_t request, fuse_ino_t folder, const char* name) {
-  WithPower(request, [&](const PowerCutDisk& served) {
+  WithFaults(request, Operation::kLookUp, name, [&](const PowerCutDisk& served) {
     const auto number = served.disk.Find(folder, name);
     if (!number) {
       fuse_reply_err(request, ENOENT);
@@ -132,6 +149,10 @@ void GetAttributes(fuse_req_t request, fuse_ino_t number, fuse_file_info*) {
 void SetAttributes(fuse_req_t request, fuse_ino_t number, struct stat* wanted, int which, fuse_file_info*) {
   WithPower(request, [&](PowerCutDisk& served) {
     if ((which & FUSE_SET_ATTR_SIZE) != 0) {
+      if (const int error = served.faults.Meet(Operation::kResize, served.disk.NameOf(number)); error != 0) {
+        fuse_reply_err(request, error);
+        return;
+      }
       served.disk.Resize(number, static_cast<std::size_t>(wanted->st_size));
       if (served.Count(request, "truncate", number)) {
         fuse_reply_err(request, EIO);
@@ -144,7 +165,7 @@ void SetAttributes(fuse_req_t request, fuse_ino_t number, struct stat* wanted, i
 }
 
 void MakeFolder(fuse_req_t request, fuse_ino_t parent, const char* name, mode_t) {
-  WithPower(request, [&](PowerCutDisk& served) {
+  WithFaults(request, Operation::kMakeFolder, name, [&](PowerCutDisk& served) {
     const Number number = served.disk.Make(parent, name, true);
     const fuse_entry_param entry = Entry(served.disk, number);
     if (served.Count(request, "mkdir", number)) {
@@ -156,7 +177,7 @@ void MakeFolder(fuse_req_t request, fuse_ino_t parent, const char* name, mode_t)
 }
 
 void Create(fuse_req_t request, fuse_ino_t parent, const char* name, mode_t, fuse_file_info* file) {
-  WithPower(request, [&](PowerCutDisk& served) {
+  WithFaults(request, Operation::kCreate, name, [&](PowerCutDisk& served) {
     const Number number = served.disk.Make(parent, name, false);
     const fuse_entry_param entry = Entry(served.disk, number);
     if (served.Count(request, "create", number)) {
@@ -169,7 +190,7 @@ void Create(fuse_req_t request, fuse_ino_t parent, const char* name, mode_t, fus
 }
 
 void Remove(fuse_req_t request, fuse_ino_t parent, const char* name) {
-  WithPower(request, [&](PowerCutDisk& served) {
+  WithFaults(request, Operation::kRemove, name, [&](PowerCutDisk& served) {
     const auto number = served.disk.Find(parent, name);
     if (!number) {
       fuse_reply_err(request, ENOENT);
@@ -184,7 +205,7 @@ void Remove(fuse_req_t request, fuse_ino_t parent, const char* name) {
 
 void Rename(fuse_req_t request, fuse_ino_t parent, const char* name, fuse_ino_t to_parent,
             const char* to_name, unsigned flags) {
-  WithPower(request, [&](PowerCutDisk& served) {
+  WithFaults(request, Operation::kRename, name, [&](PowerCutDisk& served) {
     const auto number = served.disk.Find(parent, name);
     if (flags != 0 || !number) {
       fuse_reply_err(request, flags != 0 ? EINVAL : ENOENT);
@@ -195,15 +216,17 @@ void Rename(fuse_req_t request, fuse_ino_t parent, const char* name, fuse_ino_t 
   });
 }
 
-void Open(fuse_req_t request, fuse_ino_t, fuse_file_info* file) {
-  WithPower(request, [&](const PowerCutDisk&) {
-    file->keep_cache = 1;
-    fuse_reply_open(request, file);
-  });
+void Open(fuse_req_t request, fuse_ino_t number, fuse_file_info* file) {
+  const bool writes = (file->flags & O_ACCMODE) != O_RDONLY;
+  WithFaults(request, writes ? Operation::kOpenToWrite : Operation::kOpen, Of(request).disk.NameOf(number),
+             [&](const PowerCutDisk&) {
+               file->keep_cache = 1;
+               fuse_reply_open(request, file);
+             });
 }
 
 void Read(fuse_req_t request, fuse_ino_t number, std::size_t size, off_t offset, fuse_file_info*) {
-  WithPower(request, [&](const PowerCutDisk& served) {
+  WithFaults(request, Operation::kRead, Of(request).disk.NameOf(number), [&](const PowerCutDisk& served) {
     const std::string bytes = served.disk.Read(number, static_cast<std::size_t>(offset), size);
     fuse_reply_buf(request, bytes.data(), bytes.size());
   });
@@ -213,9 +236,13 @@ void Read(fuse_req_t request, fuse_ino_t number, std::size_t size, off_t offset,
 // not counted.
 void Write(fuse_req_t request, fuse_ino_t number, const char* bytes, std::size_t size, off_t offset,
            fuse_file_info* file) {
+  const bool is_mapped = file->writepage != 0;
   WithPower(request, [&](PowerCutDisk& served) {
-    served.disk.Write(number, static_cast<std::size_t>(offset), {bytes, size});
-    if (file->writepage == 0 && served.Count(request, "write", number)) {
+    const int error = is_mapped ? 0 : served.faults.Meet(Operation::kWrite, served.disk.NameOf(number));
+    if (error == 0) served.disk.Write(number, static_cast<std::size_t>(offset), {bytes, size});
+    if (error != 0) {
+      fuse_reply_err(request, error);
+    } else if (!is_mapped && served.Count(request, "write", number)) {
       fuse_reply_err(request, EIO);
     } else {
       fuse_reply_write(request, size);
@@ -224,7 +251,7 @@ void Write(fuse_req_t request, fuse_ino_t number, const char* bytes, std::size_t
 }
 
 void Sync(fuse_req_t request, fuse_ino_t number, int, fuse_file_info*) {
-  WithPower(request, [&](PowerCutDisk& served) {
+  WithFaults(request, Operation::kSync, Of(request).disk.NameOf(number), [&](PowerCutDisk& served) {
     if (served.Count(request, "sync", number)) {
       fuse_reply_err(request, EIO);
       return;
@@ -243,7 +270,7 @@ void Sync(fuse_req_t request, fuse_ino_t number, int, fuse_file_info*) {
 }
 
 void ReadFolder(fuse_req_t request, fuse_ino_t number, std::size_t size, off_t offset, fuse_file_info*) {
-  WithPower(request, [&](const PowerCutDisk& served) {
+  WithFaults(request, Operation::kList, Of(request).disk.NameOf(number), [&](const PowerCutDisk& served) {
     std::string all;
     off_t next = 0;
     for (const auto& [name, held] : served.disk.NamesIn(number)) {
@@ -302,6 +329,13 @@ int Serve(int argc, char** argv) {
   served.cut_at = number("cut-at");
   served.fail_sync = number("fail-sync");
   served.cut_after = number("cut-after");
+  served.faults.fail_at = number("fail-at");
+  served.faults.error = static_cast<int>(number("errno"));
+  served.faults.lasting = number("lasting") != 0;
+  served.faults.write_ms = static_cast<int>(number("write-ms"));
+  if (options.contains("only")) served.faults.only = options.at("only");
+  std::signal(SIGUSR1, [](int) { FaultPlan::End(); });
+  std::signal(SIGUSR2, [](int) { FaultPlan::ChangePace(); });
   if (options.contains("forget")) served.forgotten = options.at("forget");
   served.disk.Seed(number("seed"));
   served.disk.Load(served.folder / "disk");
@@ -322,9 +356,9 @@ int Serve(int argc, char** argv) {
   if (!cut) served.Cut();
   std::printf(
       "{\"cut\": %s, \"operations\": %lu, \"syncs\": %lu, \"last_operation\": \"%s\", \"failed_sync\": "
-      "\"%s\"}\n",
+      "\"%s\", \"met\": %lu, \"failed\": \"%s\"}\n",
       cut ? "true" : "false", served.operations, served.syncs, served.last_operation.c_str(),
-      served.failed_sync.c_str());
+      served.failed_sync.c_str(), served.faults.met(), served.faults.failed().c_str());
   fuse_remove_signal_handlers(session);
   fuse_session_destroy(session);
   fuse_opt_free_args(&args);
@@ -338,7 +372,7 @@ int main(int argc, char** argv) {
   if (argc < 3) {
     std::fputs(
         "usage: power_cut_disk FOLDER MOUNTPOINT [cut-at=K] [fail-sync=N [cut-after=J]] [forget=END] "
-        "[seed=S]\n",
+        "[seed=S] [fail-at=K errno=E [lasting=1] [only=OPERATION]] [write-ms=T]\n",
         stderr);
     return 2;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <exception>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -57,10 +58,17 @@ bool CandumpFiles::Begin(microseconds time) {
 bool CandumpFiles::Write(const protocols::LoggedFrame& logged) {
   const std::lock_guard lock(mutex_);
   if (!trouble_.empty()) return false;
-  if ((!file_ || bytes_ >= settings_.most_file_bytes) && !Begin(logged.time)) return false;
-  const std::string line = protocols::CandumpLine(logged) + '\n';
-  bytes_ += line.size();
-  return std::fputs(line.c_str(), file_.get()) >= 0 || Fail(names_.back().string());
+  try {
+    if ((!file_ || bytes_ >= settings_.most_file_bytes) && !Begin(logged.time)) return false;
+    const std::string line = protocols::CandumpLine(logged) + '\n';
+    bytes_ += line.size();
+    return std::fputs(line.c_str(), file_.get()) >= 0 || Fail(names_.back().string());
+  } catch (const std::exception& error) {
+    // A folder that cannot be listed, no memory: on this thread it would end the program under load.
+    trouble_ = error.what();
+    file_.reset();
+    return false;
+  }
 }
 
 void CandumpFiles::Flush() {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -331,6 +332,25 @@ TEST_F(LoggedBus, TakesNoMoreRoomThanItMayAndKeepsTheNewest) {
   EXPECT_EQ(Read(files.back()).back().frame.data[0], (last - 1) & 0xFF);
   // One file goes on where the other ends.
   EXPECT_EQ((Read(files[1]).back().frame.data[0] + 1) & 0xFF, Read(files[2]).front().frame.data[0]);
+}
+
+TEST_F(LoggedBus, EndsInWordsWhereItsFolderCannotBeListed) {
+  CandumpFiles files(Settings());
+  // One descriptor is left, which the file itself takes.
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  const int next = ::dup(STDIN_FILENO);
+  ::close(next);
+  rlimit one_more = before;
+  one_more.rlim_cur = static_cast<rlim_t>(next) + 1;
+  ::setrlimit(RLIMIT_NOFILE, &one_more);
+  const bool written = files.Write({microseconds(0), "can7", CanFrame{.id = 1}});
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_FALSE(written);
+  EXPECT_EQ(files.trouble(),
+            "filesystem error: directory iterator cannot open directory: Too many open files [" +
+                folder_.string() + "]");
+  EXPECT_FALSE(files.Write({microseconds(1), "can7", CanFrame{.id = 2}})) << "with room again";
 }
 
 TEST_F(LoggedBus, KeepsWhatWasSaidAroundATrip) {
