@@ -39,6 +39,7 @@ struct Found {
   std::size_t cause{};
   ScoredModel without;
   CandidateResult judged;
+  NullEvidence simulated{};
 };
 
 std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const DiagnoseOptions& options) {
@@ -93,6 +94,54 @@ std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const Di
   }
 }
 
+// What the same search names in a record that was simulated without any cause.
+std::vector<NamedClaim> ClaimsOf(const Study& study, DiagnoseOptions options) {
+  options.simulate = nullptr;
+  options.progress = nullptr;
+  options.parallel = InTurn;
+  std::vector<NamedClaim> claims;
+  for (const Finding& finding : Diagnose(study, options).causes)
+    claims.push_back({study.causes()[finding.index].name, finding.evidence.delta_bic});
+  return claims;
+}
+
+// Drops the named causes that records without them show, too; the others keep what such records show of them.
+// @param candidates  gets what was dropped
+std::vector<Found> DropSimulated(const Judge& judge, ScoredModel& model, const DiagnoseOptions& options,
+                                 std::vector<Found> all, std::vector<CandidateResult>& candidates) {
+  std::vector<NamedClaim> claims;
+  std::vector<std::size_t> claiming;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const CauseRule& rule = judge.study().causes()[all[i].cause];
+    if (!rule.named) continue;
+    claims.push_back({rule.name, all[i].judged.evidence.delta_bic});
+    claiming.push_back(i);
+  }
+  if (claims.empty()) return all;
+  const std::vector<NullEvidence> evidence = JudgeBySimulation(
+      claims, model.fit.nominal, options.simulate,
+      [&](const Study& study) { return ClaimsOf(study, options); }, options.seed, options.parallel);
+  std::vector<std::size_t> causes = model.fit.causes;
+  for (std::size_t i = 0; i < claims.size(); ++i) {
+    Found& found = all[claiming[i]];
+    found.simulated = evidence[i];
+    if (!IsRefused(evidence[i])) continue;
+    causes = Without(causes, found.cause);
+    found.judged.passed = false;
+    found.judged.objection = fmt::format("{} of {} records simulated without it show as much",
+                                         evidence[i].as_strong, evidence[i].simulated);
+    candidates.push_back(found.judged);
+  }
+  if (causes.size() == model.fit.causes.size()) return all;
+  model = judge.Fit(causes, &model.fit, FitPurpose::kJudge);
+  std::vector<Found> left = DropUnproven(judge, model, options, candidates);
+  for (Found& found : left) {
+    const auto before = std::ranges::find(all, found.cause, &Found::cause);
+    if (before != all.end()) found.simulated = before->simulated;
+  }
+  return left;
+}
+
 // Where no more is left of a response that stands on steps, or whose drive does, than the steps do: it
 // follows them, and so time, rests and all that turns with the response, without a course of its own. Beside
 // the standard deviation of rounding there may be noise of 0.3 steps, √(1 + 12 · 0.3²) of it in all: more
@@ -110,7 +159,8 @@ Finding Report(const Judge& judge, const ScoredModel& model, const Found& found,
                const DominatedBy& dominated) {
   const auto place =
       static_cast<std::size_t>(std::ranges::find(model.fit.causes, found.cause) - model.fit.causes.begin());
-  Finding finding{found.cause, model.fit.cause_parameters[place], found.judged.evidence, 0.0, {}};
+  Finding finding{found.cause,    model.fit.cause_parameters[place], found.judged.evidence, 0.0, {},
+                  found.simulated};
   const double lost = SquareSum(judge.study(), found.without.fit, judge.weights()) -
                       SquareSum(judge.study(), model.fit, judge.weights());
   finding.share_of_explainable = explainable > 0.0 ? std::clamp(lost / explainable, 0.0, 1.0) : 0.0;
@@ -175,6 +225,8 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
                     "verdict on it",
                     std::sqrt(12.0) * study.Rounding() * study.unit_per_si(), study.unit()));
   }
+  if (options.simulate)
+    all_found = DropSimulated(*judge, extended, options, std::move(all_found), diagnosis.candidates);
   extended = judge->Fit(extended.fit.causes, &extended.fit, FitPurpose::kReport);
   diagnosis.nominal = nominal.fit;
   diagnosis.extended = extended.fit;

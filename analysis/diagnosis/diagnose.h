@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/diagnosis/simulated_null.h"
 #include "analysis/diagnosis/study.h"
 #include "analysis/parallel_for.h"
 
@@ -35,6 +36,7 @@ struct Finding {
   Evidence evidence;
   double share_of_explainable{};  // variance that is lost without it / variance above the noise floor
   std::vector<std::string> indistinguishable_from;  // causes, or pairs ("a + b"), that would do as well
+  NullEvidence simulated{};                         // all zeros where it was not judged by simulation
 };
 
 struct GainEstimate {
@@ -81,6 +83,9 @@ struct DiagnoseOptions {
   unsigned long long seed{1};                                                // of the bootstrap
   std::function<void(const std::string& step, double share_done)> progress;  // may be empty
   ParallelFor parallel{InTurn};  // over candidates, and over held-out folds; changes no bit
+  /// Records without the causes found: a cause that is named as clearly in some of them is dropped. Empty: no
+  /// cause is judged so.
+  SimulateNull simulate;
 };
 
 /// Finds what the nominal model of a study lacks.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/diagnosis/simulated_null.h"
 #include "analysis/diagnosis/study.h"
 #include "analysis/parallel_for.h"
 
@@ -83,6 +84,8 @@ struct CampaignData {
 std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionErrorData> records);
 std::unique_ptr<Study> MakeHysteresisStudy(std::span<const HysteresisData> records);
 std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records);
+/// Such records of axes without any named effect (DiagnoseOptions::simulate).
+SimulateNull SimulateMotion(std::vector<MotionData> records);
 std::unique_ptr<Study> MakeVibrationStudy(std::span<const VibrationData> records);
 /// @param parallel  over parts of one search
 std::unique_ptr<Study> MakeVibrationStudy(std::span<const VibrationData> records, ParallelFor parallel);

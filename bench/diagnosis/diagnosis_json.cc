@@ -75,6 +75,12 @@ Json CausesJson(const DiagnosisReport& report) {
                       {"share_of_explainable_variance", Finite(finding.share_of_explainable)},
                       {"catalogue", rule.effect},
                       {"sentence", rule.sentence}});
+    if (const diagnosis::NullEvidence& simulated = finding.simulated; simulated.simulated > 0) {
+      causes.back()["simulated_without_it"] = {{"records", simulated.simulated},
+                                               {"as_strong", simulated.as_strong},
+                                               {"strongest_delta_bic", Finite(simulated.strongest)},
+                                               {"p_value", simulated.p_value()}};
+    }
   }
   return causes;
 }

@@ -173,6 +173,10 @@ std::string FoundText(const DiagnosisReport& report, bool details) {
     text += Section("", Text("lies {}; explains {} % of what the simulation misses beyond noise",
                              WhereWords(rule.where), PercentText(finding.share_of_explainable)));
     text += ParametersText(finding.parameters, details);
+    if (finding.simulated.simulated > 0) {
+      text += Section("", Text("of {} records simulated without it, {} show as much",
+                               finding.simulated.simulated, finding.simulated.as_strong));
+    }
     if (!finding.indistinguishable_from.empty()) {
       text += Section("", Text("these records would be explained as well by: {}",
                                fmt::join(finding.indistinguishable_from, ", ")));

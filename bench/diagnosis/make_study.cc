@@ -188,6 +188,8 @@ StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordCho
       for (RecordWarning& warning : WarningsOf(record)) input.warnings.push_back(std::move(warning));
     }
     input.study = MakeStudyOrSay(records);
+    if (input.kind == StudyKind::kMotion)
+      input.simulate = diagnosis::SimulateMotion(AllOf<diagnosis::MotionData>(records, MotionDataOf));
   }
   for (const std::string& warning : input.study->warnings()) {
     // Of several records it says itself which one it means.

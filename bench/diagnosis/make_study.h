@@ -43,6 +43,7 @@ struct StudyInput {
   MappingContext mapping;
   std::optional<analysis::diagnosis::CampaignData> campaign{};  // of a campaign: its results
   std::unique_ptr<analysis::diagnosis::Study> study;
+  analysis::diagnosis::SimulateNull simulate{};  // empty for kinds without a simulation of their own
 };
 
 inline constexpr std::string_view kDiagnosedKinds = "transmission_error, hysteresis, motion or vibration";

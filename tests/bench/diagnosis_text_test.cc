@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/diagnosis/diagnosis_json.h"
 #include "bench/diagnosis/nominal_models.h"
 #include "bench/diagnosis/parameter_words.h"
 #include "tests/bench/made_up_diagnosis.h"
@@ -65,6 +66,17 @@ TEST(DiagnosisText, HasTheCorrectedNumbersAndTheLargestCauseFirst) {
                       "(without: 0)           where zero lies\n"),
             std::string::npos)
       << text;
+}
+
+TEST(DiagnosisText, TellsWhatSimulatedRecordsShowOfACause) {
+  MadeUp found = Found();
+  EXPECT_EQ(DiagnosisText(found.Report(), false).find("simulated without it"), std::string::npos);
+  found.result.causes[0].simulated = {19, 1, 700.0};
+  EXPECT_NE(DiagnosisText(found.Report(), false)
+                .find("             of 19 records simulated without it, 1 show as much\n"),
+            std::string::npos);
+  EXPECT_EQ(DiagnosisJson(found.Report())["causes"][0]["simulated_without_it"].dump(),
+            R"({"records":19,"as_strong":1,"strongest_delta_bic":700.0,"p_value":0.1})");
 }
 
 TEST(DiagnosisText, KeepsLongListsForWhoAsksForThem) {

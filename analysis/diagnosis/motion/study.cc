@@ -11,6 +11,7 @@
 #include "analysis/diagnosis/motion/impacts.h"
 #include "analysis/diagnosis/motion/samples.h"
 #include "analysis/diagnosis/motion/settled_grid.h"
+#include "analysis/diagnosis/motion/simulated_axis.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/motion/units.h"
 #include "analysis/diagnosis/records.h"
@@ -26,6 +27,8 @@ constexpr double kAccelerates = 10.0;
 // nothing of it.
 constexpr std::size_t kBlocks = 60;
 constexpr std::size_t kFewestInBlock = 12;
+constexpr std::uint64_t kDrawsApart = 1000;  // of simulated records that belong together
+
 void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const auto at_rows = [&](const std::vector<double>& points) {
     std::vector<double> values;
@@ -102,6 +105,30 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   AddMotionNuisanceTerms(grid, units, model);
   AddRegressors(*grid, units, model);
   return std::make_unique<SeparableStudy>(std::move(model));
+}
+
+SimulateNull SimulateMotion(std::vector<MotionData> records) {
+  return [records = std::move(records)](std::span<const ParameterValue> nominal,
+                                        std::uint64_t draw) -> std::unique_ptr<Study> {
+    const auto number = [&](std::string_view begin) {
+      const auto found = std::ranges::find_if(
+          nominal, [&](const ParameterValue& value) { return value.name.starts_with(begin); });
+      return found == nominal.end() ? 0.0 : found->value;
+    };
+    const AxisNumbers numbers{number("inertia_") + number("mass_"), number("viscous_"), number("coulomb_"),
+                              number("offset_")};
+    std::vector<MotionData> simulated;
+    for (const MotionData& record : records) {
+      auto one = SimulateAxis(record, numbers, draw * kDrawsApart + simulated.size());
+      if (!one) return nullptr;
+      simulated.push_back(std::move(*one));
+    }
+    try {
+      return MakeMotionStudy(simulated);
+    } catch (const std::invalid_argument&) {
+      return nullptr;
+    }
+  };
 }
 
 }  // namespace strainwave::analysis::diagnosis
