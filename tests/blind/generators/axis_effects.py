@@ -19,8 +19,8 @@ def make(axis_model, name, rng):
     amplitude = lambda scale: {"amplitude": (scale * span, "Nm")}
     if name == "stribeck_friction":
         law, fall = pick(rng, "lorentz", "difference_of_tanh", "inverse_root"), top * rng.uniform(0.04, 0.12)
-        falls = {"lorentz": lambda v: 1.0 / (1.0 + (v / fall) ** 2),  # Hess and Soom
-                 "difference_of_tanh": lambda v: 1.0 - math.tanh(abs(v) / fall),  # Makkar
+        falls = {"lorentz": lambda v: 1.0 / (1.0 + (v / fall) ** 2),  # Hess 1990
+                 "difference_of_tanh": lambda v: 1.0 - math.tanh(abs(v) / fall),  # Makkar 2005
                  "inverse_root": lambda v: 1.0 / math.sqrt(1.0 + (2.0 * v / fall) ** 2)}[law]
         return _term(name, law, lambda t, q, v, a, f: span * falls(v) * f, lambda scale: {"rise": (scale * span, "Nm")})
     if name == "asymmetric_friction":
@@ -63,7 +63,7 @@ def make(axis_model, name, rng):
         law = pick(rng, "dead_time", "one_lag", "two_lags")
         acts = {"dead_time": lambda scale: Hidden(late_s=scale), "one_lag": lambda scale: Hidden(lags_s=(scale,)),
                 "two_lags": lambda scale: Hidden(lags_s=(0.5 * scale, 0.5 * scale))}
-        return Effect(name, law, acts[law], lambda scale: {"delay": (scale, "s")} if law == "dead_time" else {}, 2e-4, 6e-3)
+        return Effect(name, law, acts[law], lambda scale: {"delay": (scale, "s")} if law == "dead_time" else {}, 6e-4, 6e-3)
     return _disturbance(m, rng)
 
 
@@ -115,7 +115,7 @@ def _backlash(m, rng):
             over = lead + 0.5 * width * (_ln_cosh((lead - half) / width) - _ln_cosh((lead + half) / width))
             return omega ** 2 * over + 2.0 * damping * omega * closing * slope
 
-        def hunt_crossley(lead, closing):  # the damping grows with the indentation (Hunt and Crossley 1975)
+        def hunt_crossley(lead, closing):  # the damping grows with the indentation (Hunt 1975)
             over = lead - half if lead > half else lead + half if lead < -half else 0.0
             factor = 1.0 + 2.0 * damping * omega * closing * math.copysign(1.0, over) / m.top_acceleration
             return omega ** 2 * over * min(max(factor, 0.0), 3.0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A locked gear: spring, friction elements in parallel, a branch that depends on the rate. Torque from twist and twist from torque.
 
-The friction elements are elasto-plastic; twist is found by the return mapping of computational plasticity (Simo and Hughes 1998):
+The friction elements are elasto-plastic; twist is found by the return mapping of computational plasticity (Simo 1998):
 an elastic trial, each element cut back to its level, Newton's steps on the balance with the tangent that belongs to it.
 """
 import bisect
