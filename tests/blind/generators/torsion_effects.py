@@ -85,7 +85,8 @@ def make(loop, name, rng):
     level = loop.torsion.levels[0]
     branch = {"power_of_rate": lambda s: lambda: Power(s * level, rate, power), "logarithm_of_rate": lambda s: lambda: Logarithm(s * level, 0.1 * rate),
               "maxwell_branch": lambda s: lambda: Maxwell(s * level / (rate * tau_s), tau_s)}
-    power, tau_s = rng.uniform(0.5, 0.8), rng.uniform(0.01, 0.03) * loop.seconds
+    # A branch that relaxes slowly lets the twist go on at constant torque, which is creep: it is over within a few samples.
+    power, tau_s = rng.uniform(0.5, 0.8), rng.uniform(1.0, 3.0) * loop.seconds / len(loop.time_s)
     return _changed(name, law, lambda torsion, scale: {"rate": branch[law](scale)}, 0.1, 3.0)
 
 
