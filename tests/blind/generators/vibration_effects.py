@@ -67,6 +67,7 @@ def _bearing(m, rng, phase):
     first, last = m.angle_rad[0], m.angle_rad[-1]
     count = int((last - first) / (2.0 * math.pi) * order)
     slip = 1.0 + (0.004 if law == "slip_that_adds_up" else 0.001) * rng.standard_normal(count)
+    slip /= slip.mean()  # the order is the one that came about
     angles = first + 2.0 * math.pi / order * (rng.random() + numpy.cumsum(slip))  # slip adds up from impact to impact
     depth = rng.uniform(0.3, 0.8)
     heights = 1.0 + depth * numpy.cos(MODULATIONS * angles + phase)
