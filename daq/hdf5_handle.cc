@@ -6,7 +6,9 @@
 #include <sys/stat.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <cstdio>
+#include <new>
 #include <system_error>
 
 #include "daq/file_descriptor.h"
@@ -52,7 +54,13 @@ std::string Hdf5ErrorText() {
   return text;
 }
 
+void DemandMemoryForHdf5() {
+  constexpr std::size_t kOfOneFile_bytes = 4 << 20;  // 0.6 MB its cache of metadata, 1 MB its cache of chunks
+  ::operator delete(::operator new(kOfOneFile_bytes));
+}
+
 Hdf5Handle OpenHdf5ForReading(const std::filesystem::path& path) {
+  DemandMemoryForHdf5();
   const std::string name = path.string();
   DemandReadableFile(name);
   if (H5Fis_hdf5(name.c_str()) <= 0) throw RecordError(name, "not an HDF5 file", "an HDF5 file");

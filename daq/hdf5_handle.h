@@ -66,4 +66,9 @@ class Hdf5Handle {
 /// @throws RecordError if it is missing, unreadable, not HDF5, cut short, or otherwise not to be opened.
 Hdf5Handle OpenHdf5ForReading(const std::filesystem::path& path);
 
+/// Asks for the memory that an open file takes, and gives it back: without it the library crashes (1.10.8,
+/// H5AC_create), where it should say so. Before each file that is opened or made.
+/// @throws std::bad_alloc
+void DemandMemoryForHdf5();
+
 }  // namespace strainwave::daq

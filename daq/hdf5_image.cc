@@ -15,6 +15,7 @@ constexpr std::size_t kMemoryStep = std::size_t{1} << 20;
 }  // namespace
 
 Hdf5Handle CreateHdf5InMemory() {
+  DemandMemoryForHdf5();
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   Check(H5Pset_fapl_core(access.get(), kMemoryStep, false));
   // A superblock of version 2: the next one says "open for writing" until it is closed.
