@@ -28,7 +28,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr double kBetweenStops_s = 0.5;  // long enough to be enabled again
+constexpr double kBetweenStops_s = 2.0;  // in half a second a drive is seldom enabled again
 
 // An end of the bus that counts what passes, and notes when the first quick stop went out.
 class NotingBus final : public CanBus {
