@@ -225,8 +225,15 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
                     "verdict on it",
                     std::sqrt(12.0) * study.Rounding() * study.unit_per_si(), study.unit()));
   }
-  if (options.simulate)
+  if (options.simulate) {
     all_found = DropSimulated(*judge, extended, options, std::move(all_found), diagnosis.candidates);
+    if (std::ranges::any_of(all_found, [&](const Found& found) {
+          return study.causes()[found.cause].named && found.simulated.simulated == 0;
+        })) {
+      diagnosis.notes.emplace_back(
+          "the records cannot be simulated without what was found: it is not judged by simulation");
+    }
+  }
   extended = judge->Fit(extended.fit.causes, &extended.fit, FitPurpose::kReport);
   diagnosis.nominal = nominal.fit;
   diagnosis.extended = extended.fit;

@@ -6,10 +6,11 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr int kMost = 19;     // none of which as strong: p = 0.05
-constexpr int kAtATime = 4;   // both: of what a record claims without the cause, and of the processors
-constexpr int kRefusing = 2;  // as strong
-// Clear after one round: the evidence of such records is seldom twice that of the strongest of four.
+constexpr int kMost = 19;    // none of which as strong: p = 0.05
+constexpr int kAtATime = 4;  // in parallel; enough to refuse a claim that most of them make
+constexpr int kRefusing = 2;
+// Clear before all are simulated. Of 23 true names of motion (tests/blind, seed 771) the strongest of four
+// simulated records had at most a third of the evidence, of 21 none at all.
 constexpr double kClear = 4.0;
 constexpr double kClearAtLeast = 40.0;  // of BIC
 

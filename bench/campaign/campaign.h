@@ -57,13 +57,6 @@ BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& jour
 /// @throws BenchError when the folder holds a campaign already, or something else.
 Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs);
 
-/// On whose word a campaign goes on.
-struct ResumeOrder {
-  std::string by;       // a person; empty where `restart` is not 0
-  bool accept_pause{};  // one longer than the schedule allows, or not known
-  int restart{};        // without a person: the how manieth in a row; 0: a person's order
-};
-
 /// What the journal and the checkpoint say of an interrupted campaign, after the journal has been put in
 /// order: phases that were running are closed as interrupted with the load they had served, and the time
 /// since is a hole. Doing it twice changes nothing. Bench time goes on from the later of the two: a power cut

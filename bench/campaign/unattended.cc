@@ -35,7 +35,9 @@ State StateOf(const Journal& journal) {
 }
 
 void Keep(Journal& journal, const State& state) {
-  journal.SetProperty(kUnattended, nlohmann::json(state).dump());
+  // Words of devices and names of files may be no UTF-8.
+  journal.SetProperty(kUnattended,
+                      nlohmann::json(state).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 bool IsFresh(const RunOrder& order, const Moment& now) {
@@ -64,8 +66,8 @@ void KeepRunOrder(Journal& journal, const RunOrder& order) {
   Keep(journal, state);
 }
 
-UnattendedStart DemandUnattendedStart(const CampaignFolder& folder, const Journal& journal,
-                                      const schedules::ResumeRules& rules, const Moment& now) {
+ResumeOrder DemandUnattendedStart(const CampaignFolder& folder, const Journal& journal,
+                                  const schedules::ResumeRules& rules, const Moment& now) {
   const State state = StateOf(journal);
   const bool ordered = !state.order.empty();
   if (ordered && IsFresh(state.order.front(), now)) {

@@ -6,6 +6,7 @@
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
 #include "bench/campaign/pause.h"
+#include "bench/campaign/resume_point.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
@@ -20,24 +21,17 @@ struct RunOrder {
 };
 void KeepRunOrder(Journal& journal, const RunOrder& order);
 
-/// What lets shafts move in a run that begins with nobody at its terminal.
-struct UnattendedStart {
-  std::string by;       // who has ordered it; empty: nobody, the schedule allows it
-  bool accept_pause{};  // with the order
-  int restart{};        // runs that have begun without a person since a person's last, this one among them
-};
-
-/// Decides whether such a run may begin: by an order, else after a run that was cut (power cut, kill,
-/// watchdog) where the schedule's `resume.unattended` leaves one. Not after a fault, a stop that was asked
-/// for, or an error that has ended the program.
+/// Decides whether a run may begin with nobody at its terminal, and on whose word: by an order, else after a
+/// run that was cut (power cut, kill, watchdog) where the schedule's `resume.unattended` leaves one. Not
+/// after a fault, a stop that was asked for, or an error that has ended the program.
 /// @throws BenchError with what a person has to do.
-UnattendedStart DemandUnattendedStart(const CampaignFolder& folder, const Journal& journal,
-                                      const schedules::ResumeRules& rules, const Moment& now);
+ResumeOrder DemandUnattendedStart(const CampaignFolder& folder, const Journal& journal,
+                                  const schedules::ResumeRules& rules, const Moment& now);
 
 /// A run begins: an order is used up, and until `NoteRunEnded` the run counts as cut.
-/// @param restart  of UnattendedStart; 0 for a run that a person has begun.
+/// @param restart  of the ResumeOrder; 0 for a run that a person has begun.
 void NoteRunBegins(Journal& journal, int restart);
-/// @param how  "fault: ...", for people.
+/// @param how  in words: of a fault, a stop, an error.
 void NoteRunEnded(Journal& journal, const std::string& how);
 
 /// Runs that have begun without a person since a person's last.

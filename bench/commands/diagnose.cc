@@ -43,7 +43,6 @@ struct DiagnoseCommand {
   unsigned long long seed{1};
   bool details{};
   std::string map;
-  bool simulated{};
   bool json{};
 };
 
@@ -63,7 +62,7 @@ diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<E
   diagnosis::DiagnoseOptions options;
   options.seed = command.seed;
   options.parallel = OnAllProcessors;
-  if (command.simulated) options.simulate = input.simulate;
+  options.simulate = input.simulate;
   if (model) options.given_causes = GivenCauses(*model, *input.study, command.model);
   options.progress = [&](const std::string& step, double share) {
     line.Show(step, share * (command.out.empty() ? 1.0 : kShareOfFits));
@@ -186,7 +185,7 @@ void AddDiagnose(CLI::App& app, Action& action) {
   command->add_option("--seed", options->seed, "of the bootstrap")->capture_default_str();
   command->add_flag("--details", options->details, "with the numbers of every line and every channel");
   command->add_flag(
-      "--judge-by-simulation", options->simulated,
+      "--judge-by-simulation", options->choice.simulated,
       "of motion: a cause is named only if records of an axis in closed loop, simulated without it, "
       "do not show as much; takes up to 20 times as long");
   AddMapOption(*command, options->map);

@@ -196,10 +196,8 @@ int LeaveToService(const RunOptions& options, const CampaignFolder& folder, Jour
 std::optional<ResumePoint> Resume(const RunOptions& options, const CampaignFolder& folder,
                                   const CampaignInputs& inputs, Journal& journal, ResumeOrder& order) {
   const bool complete = journal.LastCompleteCycle() >= inputs.schedule.cycles;
-  if (options.unattended && !complete) {
-    const UnattendedStart start = DemandUnattendedStart(folder, journal, inputs.schedule.resume, Now());
-    order = {start.by, start.accept_pause, start.restart};
-  }
+  if (options.unattended && !complete)
+    order = DemandUnattendedStart(folder, journal, inputs.schedule.resume, Now());
   return PrepareResume(folder, inputs, journal, order);
 }
 
@@ -304,7 +302,7 @@ int Run(RunOptions options) {
       ToStderr("{}: all cycles are complete; nothing to resume\n", folder.root.string());
       return PrintCampaign(folder, journal, options.json);
     }
-    inputs.bench = BenchToResume(folder, journal);
+    if (!options.schedule.empty()) inputs.bench = BenchToResume(folder, journal);
     if (options.unattended) options.pace = journal.Property(kRunPace).value_or(options.pace);
   }
   if (options.serves) ServeBeside(folder, options.page);

@@ -188,8 +188,15 @@ StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordCho
       for (RecordWarning& warning : WarningsOf(record)) input.warnings.push_back(std::move(warning));
     }
     input.study = MakeStudyOrSay(records);
-    if (input.kind == StudyKind::kMotion)
+    if (choice.simulated && input.kind == StudyKind::kMotion)
       input.simulate = diagnosis::SimulateMotion(AllOf<diagnosis::MotionData>(records, MotionDataOf));
+  }
+  if (choice.simulated && input.kind != StudyKind::kMotion) {
+    throw BenchError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: a record of kind {} is not judged by simulation (expected one of "
+                    "kind motion, or no --judge-by-simulation)",
+                    paths.front(), NameOf(input.kind)));
   }
   for (const std::string& warning : input.study->warnings()) {
     // Of several records it says itself which one it means.

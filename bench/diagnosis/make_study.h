@@ -30,6 +30,7 @@ struct RecordChoice {
   std::string kind;
   std::string group;  // part of an HDF5 group's path
   RecordReader reader{};
+  bool simulated{};  // causes are to be judged by records simulated without them
 };
 
 /// Records of one kind, or a campaign, ready to be diagnosed.
@@ -43,7 +44,7 @@ struct StudyInput {
   MappingContext mapping;
   std::optional<analysis::diagnosis::CampaignData> campaign{};  // of a campaign: its results
   std::unique_ptr<analysis::diagnosis::Study> study;
-  analysis::diagnosis::SimulateNull simulate{};  // empty for kinds without a simulation of their own
+  analysis::diagnosis::SimulateNull simulate{};  // empty unless RecordChoice::simulated
 };
 
 inline constexpr std::string_view kDiagnosedKinds = "transmission_error, hysteresis, motion or vibration";

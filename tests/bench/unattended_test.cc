@@ -28,7 +28,7 @@ class Unattended : public testing::Test {
   }
   std::string Asked(int allowed, const Moment& now = kNow) {
     try {
-      const UnattendedStart start = DemandUnattendedStart(folder_, journal_, {.unattended = allowed}, now);
+      const ResumeOrder start = DemandUnattendedStart(folder_, journal_, {.unattended = allowed}, now);
       return start.by.empty() ? "restart " + std::to_string(start.restart)
                               : "by " + start.by + (start.accept_pause ? ", after any pause" : "");
     } catch (const BenchError& error) {
@@ -81,6 +81,12 @@ TEST_F(Unattended, DoesNotGoOnAfterAFaultWhoseRunWasCutBeforeItsEnd) {
   BeginRun();
   AddEvent("alarm", "torque_limit", "output torque 61 Nm is above 60 Nm");
   EXPECT_EQ(Asked(2), "its last run has ended with an alarm (output torque 61 Nm is above 60 Nm)");
+}
+
+TEST_F(Unattended, KeepsAlsoWordsThatAreNoUtf8) {
+  BeginRun();
+  NoteRunEnded(journal_, "cannot write \xff");
+  EXPECT_EQ(Asked(2), "its last run was not cut, but has ended (cannot write \xEF\xBF\xBD)");
 }
 
 TEST_F(Unattended, BeginsWhatAPersonHasOrderedAWhileAgo) {

@@ -23,6 +23,7 @@ struct AxisNumbers {
 /// instants, with white noise as the record's own columns have it and its position's steps. What a record
 /// does not tell is drawn: noise, bandwidth of the position loop (5 to 30 Hz), presliding distance (10⁻⁵ to
 /// 3·10⁻⁴ of the travel).
+/// The ranges of the two are rules of thumb for servo axes, not measured.
 /// @param draw  another number, another record; the same gives the same.
 /// @returns nothing where no such axis follows the path: inertia or friction below zero, an unstable loop.
 std::optional<MotionData> SimulateAxis(const MotionData& measured, const AxisNumbers& numbers,
