@@ -5,6 +5,9 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace strainwave::analysis {
 
@@ -17,6 +20,46 @@ VectorXd LeastSquares(const ConstMatrixRef& a, const ConstVectorRef& b) {
 
 MatrixXd ShortestLeastSquares(const ConstMatrixRef& a, const ConstMatrixRef& b) {
   return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(a).solve(b);
+}
+
+VectorXd NonNegativeLeastSquares(const ConstMatrixRef& a, const ConstVectorRef& b) {
+  const Eigen::Index n = a.cols();
+  VectorXd x = VectorXd::Zero(n);
+  std::vector<Eigen::Index> free;
+  const double tolerance = 1e-11 * std::max(1.0, (a.transpose() * b).cwiseAbs().maxCoeff());
+  for (Eigen::Index round = 0; round < 3 * n + 10; ++round) {
+    VectorXd gradient = a.transpose() * (b - a * x);
+    for (const Eigen::Index i : free) gradient(i) = 0.0;
+    Eigen::Index next = 0;
+    if (!(gradient.maxCoeff(&next) > tolerance)) break;
+    free.push_back(next);
+    while (!free.empty()) {
+      const MatrixXd columns = a(Eigen::all, free);
+      const VectorXd wanted = ShortestLeastSquares(columns, b);
+      if (wanted.minCoeff() > 0.0) {
+        x.setZero();
+        for (std::size_t i = 0; i < free.size(); ++i) x(free[i]) = wanted(static_cast<Eigen::Index>(i));
+        break;
+      }
+      double step = 1.0;
+      for (std::size_t i = 0; i < free.size(); ++i) {
+        const double to = wanted(static_cast<Eigen::Index>(i));
+        if (to <= 0.0) step = std::min(step, x(free[i]) / (x(free[i]) - to + 1e-300));
+      }
+      std::vector<Eigen::Index> kept;
+      for (std::size_t i = 0; i < free.size(); ++i) {
+        double& value = x(free[i]);
+        value += step * (wanted(static_cast<Eigen::Index>(i)) - value);
+        if (value > 1e-14) {
+          kept.push_back(free[i]);
+        } else {
+          value = 0.0;
+        }
+      }
+      free = std::move(kept);
+    }
+  }
+  return x;
 }
 
 SymmetricParts SymmetricEigen(const MatrixXd& symmetric) {

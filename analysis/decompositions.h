@@ -21,6 +21,11 @@ Eigen::VectorXd LeastSquares(const ConstMatrixRef& a, const ConstVectorRef& b);
 /// coincide or are zero. One x per column of b.
 Eigen::MatrixXd ShortestLeastSquares(const ConstMatrixRef& a, const ConstMatrixRef& b);
 
+/// The x ≥ 0 that makes ‖a x − b‖ least, by active sets.
+///
+/// Source: docs/sources.md#lawson-1974, chapter 23.
+Eigen::VectorXd NonNegativeLeastSquares(const ConstMatrixRef& a, const ConstVectorRef& b);
+
 /// A symmetric matrix as vectors · diag(values) · vectorsᵀ, values rising.
 struct SymmetricParts {
   Eigen::VectorXd values;

@@ -169,6 +169,10 @@ std::string Judge::Objection(const ModelFit& fit, std::size_t cause, double away
       return fmt::format("{} = {:.4g} {} is outside {:.4g} to {:.4g}", expected.name, found->value,
                          expected.unit, expected.low, expected.high);
     }
+    if (found->value < 0.0 && -found->value < expected.least_below_zero) {
+      return fmt::format("{} = {:.3g} {} is above -{:.3g} {}, which the sampling leaves open", expected.name,
+                         found->value, expected.unit, expected.least_below_zero, expected.unit);
+    }
     if (expected.amount && !(std::abs(found->value) > away_from_zero * found->standard_error)) {
       return fmt::format("{} = {:.3g} ± {:.2g} {} is not away from zero", expected.name, found->value,
                          found->standard_error, expected.unit);

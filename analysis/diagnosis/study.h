@@ -41,6 +41,8 @@ struct ParameterRule {
   double high{};
   /// True for a size that is zero where the effect is not there: it has to be away from zero by its error.
   bool amount{};
+  /// Magnitude that a value below zero has to have: less is what the record's own sampling leaves open.
+  double least_below_zero{};
 };
 
 /// One way in which the nominal model may fall short.

@@ -33,6 +33,7 @@ constexpr double kRest = 0.5;           // of a sweep's usual step
 constexpr double kRestingShare = 0.05;  // of its rows, and at least
 constexpr std::size_t kFewestResting = 20;
 constexpr std::size_t kFewestFrozen = 4;  // rows
+constexpr double kStepsOfARest = 3.0;     // of an encoder, from one row to the next as a rest begins or ends
 constexpr double kGoesOnBeside = 0.5;     // of its usual steps, a shaft beside one that stands
 constexpr double kCoarsestEncoder_deg = 360.0 / 1024.0;
 // Of the output, what a shaft goes on beside one that stands where no gear has so much play.
@@ -195,12 +196,39 @@ std::string PlaceOf(const daq::Record& record, const Frozen& frozen) {
   return fmt::format("{}, {:.2f} to {:.2f} s", rows, time_s[frozen.first], time_s[last]);
 }
 
+// Whether a position goes on from where it stood: an axis that rests, or creeps, stays within one step of its
+// encoder, also where the noise that it shows in motion (of the samples' times, of its scale) would never let
+// it.
+bool GoesOnFromThere(std::span<const double> position, const Frozen& frozen, double step) {
+  const std::size_t next = frozen.first + frozen.count;
+  const double value = position[frozen.first];
+  const double most = kStepsOfARest * step;
+  return (frozen.first == 0 || std::abs(position[frozen.first - 1] - value) <= most) &&
+         (next == position.size() || std::abs(position[next] - value) <= most);
+}
+
+// Smallest change of a signal; 0 of one that never changes.
+double SmallestChange(std::span<const double> values) {
+  double smallest = 0.0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const double change = std::abs(values[i] - values[i - 1]);
+    if (change > 0.0 && (smallest == 0.0 || change < smallest)) smallest = change;
+  }
+  return smallest;
+}
+
 // Against its own noise; of the two angles of a sweep also against the other shaft, which went on.
 std::vector<Frozen> FrozenOf(const daq::Record& record, const std::string& name) {
   std::vector<Frozen> segments;
   if (record.kind != daq::RecordKind::kTransmissionError) {
     segments = samples::FindFrozen(record.CopyAsDoubles(name));
     std::erase_if(segments, [](const Frozen& frozen) { return frozen.count < kFewestFrozen; });
+    if (record.kind == daq::RecordKind::kMotion && name.starts_with("position_")) {
+      const std::vector<double> position = record.CopyAsDoubles(name);
+      std::erase_if(segments, [&, step = SmallestChange(position)](const Frozen& frozen) {
+        return GoesOnFromThere(position, frozen, step);
+      });
+    }
     return segments;
   }
   const char* const beside = name == "input_angle_deg" ? "output_angle_deg" : "input_angle_deg";

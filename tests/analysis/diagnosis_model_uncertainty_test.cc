@@ -157,13 +157,15 @@ MotionData OneEarlyReversal(unsigned seed, int which, double early_s) {
 }
 
 TEST(ModelUncertainty, NamesNothingForOneReversalThatComesEarly) {
-  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {OneEarlyReversal(4, 3, 0.01)});
-  EXPECT_EQ(found.names(), Names());
-  EXPECT_TRUE(std::ranges::any_of(found.diagnosis.candidates, [](const CandidateResult& candidate) {
-    return candidate.objection ==
-           "shown by a few moments alone, in which the model may be wrong by chance (a reversal, a knock)";
-  }));
-  EXPECT_EQ(DiagnoseRecords(&MakeMotionStudy, {OneEarlyReversal(5, 4, 0.014)}).names(), Names());
+  for (const unsigned seed : {4U, 5U}) {
+    for (const int which : {2, 3, 4}) {
+      for (const double early_s : {0.01, 0.014}) {
+        EXPECT_EQ(DiagnoseRecords(&MakeMotionStudy, {OneEarlyReversal(seed, which, early_s)}).names(),
+                  Names())
+            << seed << " " << which << " " << early_s;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -75,6 +75,28 @@ TEST(LookAtSamplesOfAnAxis, LeavesOutASegmentInWhichASensorStoodStill) {
   EXPECT_EQ(record.rows(), 1600U - 61U);
 }
 
+// Noise in motion is that of the samples' times. At rest an encoder shows none: its last step stands, or
+// comes and goes while friction lets the axis creep.
+TEST(LookAtSamplesOfAnAxis, KeepsARestOnAnEncoder) {
+  constexpr double kStep_rad = 1e-6;
+  std::mt19937 random(3);
+  Record record = Axis(200.0);
+  double clock_s = 0.0;
+  Change(record, "position_rad", [&](double, std::size_t i) {
+    const double to_rest = std::clamp((900.0 - static_cast<double>(i)) / 300.0, 0.0, 1.0);
+    const double from_rest = std::clamp((static_cast<double>(i) - 1100.0) / 300.0, 0.0, 1.0);
+    const double pace = std::pow(std::max(to_rest, from_rest), 3);
+    clock_s += pace / 200.0;
+    const double path = 2.4 / 1.7 * std::sin(1.7 * clock_s) + 1.8 / 4.1 * std::sin(4.1 * clock_s + 1.0);
+    const double creep = kStep_rad * std::floor(static_cast<double>(i) / 25.0);
+    return kStep_rad * std::round((path + creep + pace * Noise(random, 2e-5)) / kStep_rad);
+  });
+  const std::size_t rows = record.rows();
+  for (const std::string& note : Looked(record))
+    EXPECT_EQ(note.find("position_rad repeats"), std::string::npos) << note;
+  EXPECT_EQ(record.rows(), rows);
+}
+
 TEST(LookAtSamplesOfAnAxis, TellsOfSignsThatMakeAnAxisGiveBackWork) {
   Record record = Axis();
   Change(record, "torque_Nm", [](double torque_Nm, std::size_t) { return -torque_Nm; });

@@ -112,8 +112,9 @@ struct Trial {
 
 Trial TryWidth(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   Trial trial;
-  Eigen::Matrix4d gram = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  std::vector<Eigen::Vector4d> regressors;
+  std::vector<double> torques;
+  std::vector<double> velocities;
   double squares = 0.0;
   double sum = 0.0;
   double count = 0.0;
@@ -128,19 +129,29 @@ Trial TryWidth(const MotionSamples& samples, double sigma_s, bool by_velocity) {
       const double velocity = first.At(segment.position, i);
       const double acceleration =
           by_velocity ? first.At(segment.velocity, i) : second.At(segment.position, i);
-      const Eigen::Vector4d x(acceleration, velocity, velocity > 0.0 ? 1.0 : -1.0, 1.0);
-      gram += x * x.transpose();
-      right += x * low.At(segment.torque, i);
+      regressors.emplace_back(acceleration, velocity, velocity > 0.0 ? 1.0 : -1.0, 1.0);
+      torques.push_back(low.At(segment.torque, i));
+      velocities.push_back(velocity);
       squares += acceleration * acceleration;
       sum += acceleration;
       count += 1.0;
     }
   }
   if (count < 8.0) return trial;
-  const double scale = 1e-12 * gram.trace();
-  const Eigen::Vector4d numbers = (gram + scale * Eigen::Matrix4d::Identity()).ldlt().solve(right);
-  trial.inertia = numbers(0);
-  trial.coulomb = numbers(2);
+  const auto fit = [&](double slowest) {
+    Eigen::Matrix4d gram = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    for (std::size_t i = 0; i < regressors.size(); ++i) {
+      if (std::abs(velocities[i]) < slowest) continue;
+      gram += regressors[i] * regressors[i].transpose();
+      right += regressors[i] * torques[i];
+    }
+    const double scale = 1e-12 * gram.trace();
+    return Eigen::Vector4d((gram + scale * Eigen::Matrix4d::Identity()).ldlt().solve(right));
+  };
+  // Where an axis stands, or creeps, friction has nothing of its sign, and the inertia would stand in for it.
+  trial.inertia = fit(kMoving * QuantileOfMagnitude(velocities, 0.95))(0);
+  trial.coulomb = fit(0.0)(2);
   trial.acceleration_signal =
       squares / count - sum * sum / (count * count) - trial.acceleration_noise * trial.acceleration_noise;
   return trial;

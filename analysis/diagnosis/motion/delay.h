@@ -19,7 +19,11 @@ struct DelayEstimate {
 /// over position; 0 where none of them leaves clearly less.
 DelayEstimate EstimateDelay(const MotionGrid& grid);
 
+/// The cause, and beside it a nuisance term for a torque that is recorded less than 0.15 sampling steps later
+/// than it acts: channels that are read one after the other do that, and no drive does.
 /// @param delay_s  as EstimateDelay has it of this grid
-void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& units, SeparableModel& model);
+/// @param sampling_step_s  of the record
+void AddDelayCause(const SharedGrid& grid, double delay_s, double sampling_step_s, const MotionUnits& units,
+                   SeparableModel& model);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of use
 constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
+constexpr double kWaysToForget = 5.0;    // after which less than 1 % is left of a gradual bend
 constexpr double kAlikeEachTime = 1.5;   // harm of an error that is no chance, over one that is
 constexpr double kMostAtRest = 0.05;     // of a row's low-pass
 constexpr double kShortestRest = 8.0;    // samples
@@ -84,6 +85,25 @@ std::vector<double> RestsOf(const MotionSamples& samples, std::span<const PointL
     }
   }
   return rests;
+}
+
+// Marks points before which the path of their segment is too short to tell how far friction is bent, of a
+// friction that bends over a way.
+void AddUnknownStarts(const MotionGrid& grid, double coulomb, std::vector<double>& rests) {
+  double way = 0.0;
+  for (const PreslidingElement& element : grid.reversal_smoothing.elements)
+    if (2.0 * coulomb * element.share > kTolerated * grid.noise_floor)
+      way = std::max(way, (element.gradual ? kWaysToForget : 2.0) * element.way);
+  if (way == 0.0) return;
+  for (const MotionGrid::Segment& segment : grid.segments) {
+    double low = grid.position[segment.first];
+    double high = low;
+    for (std::size_t i = segment.first; i < segment.first + segment.count && high - low < way; ++i) {
+      low = std::min(low, grid.position[i]);
+      high = std::max(high, grid.position[i]);
+      rests[i] = 1.0;
+    }
+  }
 }
 
 double ShareUnderKernel(const KernelTaps& kernel, std::span<const double> marks, std::size_t sample) {
@@ -212,7 +232,8 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
   grid.point_of_row.clear();
   grid.segment_of_row.clear();
   grid.response_segments.clear();
-  const std::vector<double> rests = RestsOf(samples, layouts, grid);
+  std::vector<double> rests = RestsOf(samples, layouts, grid);
+  AddUnknownStarts(grid, bandwidth.coulomb, rests);
   std::vector<double> errors = ReversalErrors(samples, bandwidth, expected_delay_s, 0.0, grid);
   const std::vector<double> most =
       ReversalErrors(samples, bandwidth, expected_delay_s,

@@ -77,7 +77,11 @@ SettledGrid MakeSettledGrid(const MotionSamples& samples) {
   }
   SettledGrid wide = make(delay_s, 0.0);
   SettledGrid sharp = make(delay_s, delay_s);
-  return sharp.delay.square_sum < wide.delay.square_sum ? sharp : wide;
+  // Elements that bend over ways of their own follow a lag of friction as well as they do presliding.
+  const double lead = wide.grid->reversal_smoothing.elements.empty()
+                          ? 0.0
+                          : kClearDetail / static_cast<double>(wide.grid->rows());
+  return std::log(sharp.delay.square_sum / wide.delay.square_sum) < lead ? sharp : wide;
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -62,6 +62,11 @@ void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableMo
   }
 }
 
+// The shortest of all segments.
+double SamplingStep_s(const MotionSamples& samples) {
+  return std::ranges::min_element(samples.segments, {}, &EvenSegment::step_s)->step_s;
+}
+
 }  // namespace
 
 std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
@@ -89,13 +94,19 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
         InertiaWarning(grid->prefit(0), *samples.inertia, grid->inertia_error, samples.linear);
     if (!warning.empty()) model.warnings.push_back(warning);
   }
+  if (const double way = MeanWay(grid->reversal_smoothing); way > 0.0) {
+    model.warnings.push_back(fmt::format(
+        "friction changes its sign over a way of about {:.2g} {} (presliding), not at once: taken "
+        "into the nominal model",
+        way, units.position()));
+  }
   AddNominalMotion(grid, units, model);
   AddFrictionCauses(grid, units, model);
   AddPositionCauses(grid, units, model);
   if (std::abs(grid->prefit(0)) > kAccelerates * grid->inertia_error) {
     AddLoadCause(grid, units, model);
     AddDynamicCauses(grid, units, model);
-    AddDelayCause(grid, delay.delay_s, units, model);
+    AddDelayCause(grid, delay.delay_s, SamplingStep_s(samples), units, model);
   } else {
     model.warnings.push_back(
         "no verdict on load_dependent_friction, torsional_resonance, backlash and time_delay: the motion "
