@@ -11,6 +11,7 @@
 #include "bench/campaign/disk_room.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/configuration/sensors_of.h"
+#include "bench/spare_memory.h"
 #include "daq/cycle_file.h"
 #include "daq/record.h"
 #include "daq/synced_folder.h"
@@ -99,7 +100,7 @@ std::optional<DiskRoom> CampaignRunner::RoomNow(int cycle) const {
 CampaignEnd CampaignRunner::EndForDisk(std::string_view phase) {
   Transition(BenchEvent::kFault);
   checkpoint_.Sync();
-  const DiskRoom room = RoomNow(cycle_).value_or(DiskRoom{});
+  const DiskRoom room = RoomToStore().value_or(DiskRoom{});
   const std::string text = fmt::format(
       "the disk is nearly full: {} are free, and what the cycle under way has recorded may take {} once more "
       "to be stored, beside {} for the journal (expected: make room, then go on)",
@@ -109,7 +110,7 @@ CampaignEnd CampaignRunner::EndForDisk(std::string_view phase) {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::CheckDiskInCycle() {
-  const auto room = RoomNow(cycle_);
+  const auto room = RoomToStore();
   return room && IsTooLittleToStore(*room) ? MaybeEnd(EndForDisk("")) : std::nullopt;
 }
 
@@ -118,8 +119,30 @@ void CampaignRunner::WatchDisk() {
   const auto now = std::chrono::steady_clock::now();
   if (now - disk_looked_at_ < kDiskInterval) return;
   disk_looked_at_ = now;
-  const auto room = RoomNow(cycle_);
+  const auto room = RoomToStore();
   if (room && IsTooLittleToStore(*room)) runner_.EndForFullDisk();
+}
+
+void CampaignRunner::Watch() {
+  SpareMemory::DemandKept();
+  held_.DemandInPlace();
+  WatchDisk();
+}
+
+HeartbeatFunction CampaignRunner::Watched(const HeartbeatFunction& then) {
+  return [this, then](const PhaseSnapshot& now, const PhaseProgram& running) {
+    Watch();
+    ShowLive(now.readings);
+    then(now, running);
+  };
+}
+
+// Referencing is over before its first heartbeat.
+PhaseOutcome CampaignRunner::Move(PhaseProgram& program, const HeartbeatFunction& then) {
+  Watch();
+  PhaseOutcome outcome = runner_.Run(program, Watched(then));
+  ShowExtremes();
+  return outcome;
 }
 
 // Between cycles, with torque off: a cycle that fits is begun, and no other.

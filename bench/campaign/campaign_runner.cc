@@ -217,11 +217,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   Transition(BeginEvent(phase.parameters));
 
   auto last_kept = std::chrono::steady_clock::now();
-  PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
-    SpareMemory::DemandKept();
-    held_.DemandInPlace();
-    WatchDisk();
-    ShowLive(now.readings);
+  PhaseOutcome outcome = Move(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
       records_.WriteAhead(step, repeat, attempt, running.RecordsSoFar());
@@ -232,7 +228,6 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     WriteCheckpoint(at, now.readings, blank);
     Show(phase.name, ShareDone(cycle_, step, now.share_done));
   });
-  ShowExtremes();
   WatchChannels(phase.name);
   if (blank) machine_.MountBlank(false);
   JudgeSensorCheck(step, outcome);
@@ -287,13 +282,9 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view phase) {
-  const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot& now, const PhaseProgram&) {
-    SpareMemory::DemandKept();
-    held_.DemandInPlace();
-    WatchDisk();
-    ShowLive(now.readings);
-    Show(phase, share_);
-  });
+  Watch();
+  const StopReason ended = runner_.WaitUntilRecovered(
+      Watched([&](const PhaseSnapshot&, const PhaseProgram&) { Show(phase, share_); }));
   ShowExtremes();
   WatchChannels(phase);
   if (!ended) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -59,11 +60,19 @@ class CampaignRunner {
   MaybeEnd Reference(double expected_offset_rad);
   MaybeEnd Unwind(double torque_Nm, double torque_zero_Nm);
   MaybeEnd RunUncredited(PhaseProgram& program, std::string_view phase, BenchEvent begin);
+  /// What every motion and every wait looks at before it begins and once a second: memory and folder, which
+  /// end it by an exception, and the disk, which ends it in words.
+  void Watch();
+  /// A motion of whatever kind, watched. `then` comes with each heartbeat, after the watch.
+  PhaseOutcome Move(PhaseProgram& program, const HeartbeatFunction& then);
+  HeartbeatFunction Watched(const HeartbeatFunction& then);
   MaybeEnd CheckLoad();
   MaybeEnd CheckDisk(int cycle);
   MaybeEnd CheckDiskInCycle();
   void WatchDisk();
   std::optional<DiskRoom> RoomNow(int cycle) const;
+  /// For the cycle under way, or the one that a run goes on with.
+  std::optional<DiskRoom> RoomToStore() const { return RoomNow(std::max(cycle_, resumed_cycle_)); }
   CampaignEnd EndForDisk(std::string_view phase);
   MaybeEnd WarmUp(const Pause& pause);
   MaybeEnd RunCycle(int cycle);

@@ -43,12 +43,7 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
                                                   kEncoderOffsetTolerance_rad};
   const auto reference = [&] {
     ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
-    PhaseOutcome outcome = runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
-      ShowLive(now.readings);
-      Show("referencing", share_);
-    });
-    ShowExtremes();
-    return outcome;
+    return Move(program, [&](const PhaseSnapshot&, const PhaseProgram&) { Show("referencing", share_); });
   };
   PhaseOutcome outcome = reference();
   bool unwound = false;
@@ -67,7 +62,7 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
     outcome = reference();
   }
   WatchChannels("referencing");
-  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome, "referencing");
   if (outcome.reason) return EndForFault(outcome, "referencing");
   encoder_offset_rad_ = EncoderOffset_rad(runner_.last_readings());
   Transition(BenchEvent::kReferenced);
@@ -89,14 +84,11 @@ CampaignRunner::MaybeEnd CampaignRunner::Unwind(double torque_Nm, double torque_
 CampaignRunner::MaybeEnd CampaignRunner::RunUncredited(PhaseProgram& program, std::string_view phase,
                                                        BenchEvent begin) {
   Transition(begin);
-  const PhaseOutcome outcome = runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
-    ShowLive(now.readings);
-    Show(phase, share_);
-  });
-  ShowExtremes();
+  const PhaseOutcome outcome =
+      Move(program, [&](const PhaseSnapshot&, const PhaseProgram&) { Show(phase, share_); });
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase);
   Transition(BenchEvent::kPhaseEnded);
-  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome, phase);
   return std::nullopt;
 }
 

@@ -68,7 +68,7 @@ void Listen(DeviceSide& devices, const MonotonicClock& clock) {
 
 int Run(const std::string& file, double ratio, double period_ms) {
   const BenchDescription bench = ReadBenchFile(file);
-  ListenToSignals([](int) { g_ending = true; });
+  ListenToSignals([](int, pid_t) { g_ending = true; });
   const MonotonicClock clock;
   std::vector<std::unique_ptr<CanBus>> ends;
   DeviceSideBuses buses;

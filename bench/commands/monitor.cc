@@ -258,7 +258,7 @@ WindowRule RuleFor(const MonitorCommand& command, const MonitorSettings& setting
 
 int Run(const MonitorCommand& command) {
   LeaveNoCore();
-  ListenToSignals([](int) { g_stop = true; });
+  ListenToSignals([](int, pid_t) { g_stop = true; });
   // A device waits for nobody; a replay and a simulation do.
   const bool waits = command.simulate || !command.replay.empty();
   const LiveOutput output([] { return g_stop.load(); },

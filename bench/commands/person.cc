@@ -7,11 +7,13 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <system_error>
 #include <thread>
 
 #include <fmt/core.h>
 
 #include "bench/commands/output.h"
+#include "bench/commands/service_manager.h"
 #include "bench/commands/signals.h"
 #include "bench/devices/wake.h"
 #include "bench/errors/bench_error.h"
@@ -21,6 +23,27 @@ namespace {
 
 std::atomic<StopRequest> g_request{StopRequest::kNone};
 std::atomic<bool> g_watchdog{};
+std::atomic<bool> g_person{};
+
+// What the service manager says of the machine, asked for when its SIGTERM comes: later it may be on its way
+// down for another reason.
+enum class Machine : int { kNotAsked, kAsked, kStaysUp, kGoesDown };
+std::atomic<Machine> g_machine{Machine::kNotAsked};
+
+constexpr pid_t kMachinesManager = 1;  // its first process
+
+// On a thread of its own, for the next signal may be a quick stop.
+void AskAboutMachine() {
+  const auto answered = [](Machine answer) {
+    g_machine = answer;
+    g_machine.notify_all();
+  };
+  try {
+    std::thread([=] { answered(MachineGoesDown() ? Machine::kGoesDown : Machine::kStaysUp); }).detach();
+  } catch (const std::system_error&) {
+    answered(Machine::kStaysUp);
+  }
+}
 
 StopRequest RequestOf(int signal) {
   switch (signal) {
@@ -58,6 +81,11 @@ const std::atomic<StopRequest>& Requested() { return g_request; }
 
 bool WatchdogHasStopped() { return g_watchdog; }
 
+bool MachineHasStopped() {
+  g_machine.wait(Machine::kAsked);
+  return g_machine == Machine::kGoesDown && !g_person;
+}
+
 void Request(StopRequest request) {
   StopRequest before = g_request;
   while (before < request && !g_request.compare_exchange_weak(before, request)) {
@@ -65,14 +93,22 @@ void Request(StopRequest request) {
 }
 
 void ListenForRequests() {
-  ListenToSignals([](int signal) {
-    if (signal == SIGABRT) g_watchdog = true;
+  ListenToSignals([](int signal, pid_t sender) {
+    const bool managers = signal == SIGTERM && sender == kMachinesManager;
+    if (signal == SIGABRT) {
+      g_watchdog = true;
+    } else if (!managers) {
+      g_person = true;
+    }
+    Machine before = Machine::kNotAsked;
+    const bool first = managers && g_machine.compare_exchange_strong(before, Machine::kAsked);
     Request(RequestOf(signal));
+    if (first) AskAboutMachine();
   });
 }
 
 void ListenForQuickStop() {
-  ListenToSignals([](int) { Request(StopRequest::kQuickStop); });
+  ListenToSignals([](int, pid_t) { Request(StopRequest::kQuickStop); });
 }
 
 std::string PersonsName() {

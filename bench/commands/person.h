@@ -17,6 +17,10 @@ const std::atomic<StopRequest>& Requested();
 /// Whether the watchdog of the service manager was among them, by SIGABRT: no person has asked for that stop.
 bool WatchdogHasStopped();
 
+/// Whether the machine that goes down was what has asked for the stop, and no person had asked for one by a
+/// signal. Waits for what the service manager says.
+bool MachineHasStopped();
+
 /// What stops sooner and harder wins over what was asked for before; never the other way round.
 void Request(StopRequest request);
 

@@ -115,15 +115,20 @@ void NoteUnwatchedLimits(const BenchDescription& bench, Journal& journal) {
   }
 }
 
-// Of a run that the watchdog has stopped, none: it counts as cut.
+// Of a run that the watchdog has stopped, or the machine that was shut down, none: it counts as cut.
 void NoteEnd(Journal& journal, const CampaignEnd& end) {
-  if (end.kind != CampaignEnd::Kind::kInterrupted || !WatchdogHasStopped()) {
+  const auto note = [&](const char* severity, const char* code, const char* text) {
+    journal.AddEvent(
+        {journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", severity, code, text});
+  };
+  const bool stopped = end.kind == CampaignEnd::Kind::kInterrupted;
+  if (stopped && WatchdogHasStopped()) {
+    note("warning", "watchdog", "the service manager's watchdog has stopped the run, for it had not gone on");
+  } else if (stopped && end.reason.cause == StopCause::kShutdownRequested && MachineHasStopped()) {
+    note("info", "machine_shutdown", "the machine was shut down, and no person has stopped the run");
+  } else {
     NoteRunEnded(journal, end.text);
-    return;
   }
-  journal.AddEvent({journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "warning",
-                    "watchdog",
-                    "the service manager's watchdog has stopped the run, for it had not gone on"});
 }
 
 // What has ended the program is mended by a person, and not by going on; on a disk that takes nothing more it

@@ -1,10 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/commands/service_manager.h"
 
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+
 #include <fmt/core.h>
+#include <systemd/sd-bus.h>
 #include <systemd/sd-daemon.h>
 
 namespace strainwave::bench {
+namespace {
+
+constexpr std::chrono::microseconds kBusAnswersWithin = std::chrono::seconds(3);
+
+}  // namespace
+
+bool MachineGoesDown() noexcept {
+  sd_bus* opened = nullptr;
+  if (::sd_bus_open_system(&opened) < 0) return false;
+  const std::unique_ptr<sd_bus, decltype(&::sd_bus_close_unref)> bus(opened, &::sd_bus_close_unref);
+  ::sd_bus_set_method_call_timeout(bus.get(), static_cast<std::uint64_t>(kBusAnswersWithin.count()));
+  char* state = nullptr;
+  if (::sd_bus_get_property_string(bus.get(), "org.freedesktop.systemd1", "/org/freedesktop/systemd1",
+                                   "org.freedesktop.systemd1.Manager", "SystemState", nullptr, &state) < 0) {
+    return false;
+  }
+  const std::unique_ptr<char, decltype(&std::free)> freed(state, &std::free);
+  return std::string_view(state) == "stopping";
+}
 
 ServiceManager::ServiceManager() {
   std::uint64_t watchdog_us = 0;

@@ -30,6 +30,10 @@ class ServiceManager {
   std::chrono::steady_clock::time_point last_{};
 };
 
+/// Whether the machine's service manager is bringing it down (power-off, reboot, halt), as it says on the
+/// system's bus. False where nothing answers there, so that a stop counts as a person's.
+bool MachineGoesDown() noexcept;
+
 /// Progress of a campaign for people and for the service manager, whose watchdog hears each `Update`. Those
 /// come when the control loop has gone on: of a loop, or a campaign, that hangs it hears nothing.
 class ServiceProgress final : public ProgressSink {

@@ -27,7 +27,7 @@ bool IsAtItsDefault(int signal) {
 
 }  // namespace
 
-void ListenToSignals(std::function<void(int signal)> on_signal) {
+void ListenToSignals(std::function<void(int signal, pid_t sender)> on_signal) {
   std::signal(SIGTTOU, SIG_IGN);
   std::signal(SIGTTIN, SIG_IGN);
   sigset_t heard;
@@ -40,7 +40,11 @@ void ListenToSignals(std::function<void(int signal)> on_signal) {
   pthread_sigmask(SIG_BLOCK, &heard, nullptr);
   std::thread([heard, told = std::move(on_signal)] {
     while (true) {
-      if (const int signal = sigwaitinfo(&heard, nullptr); signal > 0) told(signal);
+      siginfo_t about{};
+      const int signal = sigwaitinfo(&heard, &about);
+      if (signal <= 0) continue;
+      const bool sent = about.si_code == SI_USER || about.si_code == SI_QUEUE;
+      told(signal, sent ? about.si_pid : 0);
     }
   }).detach();  // ends with the process
 }

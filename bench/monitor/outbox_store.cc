@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 
 #include "bench/errors/bench_error.h"
+#include "daq/synced_folder.h"
 
 namespace strainwave::bench {
 namespace {
@@ -37,6 +38,9 @@ void Lock(const Database& database) {
 Database Opened(const std::filesystem::path& file) {
   try {
     Database database(file, Database::Mode::kCreate);
+    // SQLite syncs the name of its log, and that there is no journal any more, but does not look whether that
+    // succeeded: with the one the newest entries would go, with the other all of them.
+    daq::SyncFolderOf(file);
     Lock(database);
     if (Pragma(database, "application_id") != kApplication || Pragma(database, "user_version") != kVersion) {
       Refuse(file, "this is a database of something else", "an outbox of this version, or no file");

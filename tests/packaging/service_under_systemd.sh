@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # strainwave@.service under a systemd of its own: a container whose root is this machine's, with what is written kept aside.
-# A cut is the container's whole process tree killed; its next start is the return of power.
+# A cut is the container's whole process tree killed; its next start is the return of power. A shutdown is `poweroff` in it.
 #
 #   tests/packaging/service_under_systemd.sh BUILD     as root, with systemd-container; exit code 77 where that is missing
 set -euo pipefail
@@ -63,6 +63,11 @@ cut_power() {
     kill -KILL "$leader" 2>/dev/null || true
     wait "$container" 2>/dev/null || true
   fi
+  container=0
+}
+shut_down() {
+  inside systemctl poweroff || fail "systemctl poweroff"
+  wait "$container" 2>/dev/null || true
   container=0
 }
 inside() { nsenter -t "$leader" -m -u -i -n -p -T "$@"; }
@@ -135,11 +140,20 @@ inside systemctl reset-failed strainwave@first
 inside systemctl start strainwave@first || fail "systemctl start"
 until_true "a person's order lets it go on" runs
 expect_restarts 0
+shut_down
+boot
+until_true "a run goes on after the machine was shut down" runs
+expect_restarts 1
+events() { inside sqlite3 -readonly "$campaign/campaign.db" "SELECT count(*) FROM events WHERE code = '$1'"; }
+[[ $(events machine_shutdown) == 1 ]] || fail "the journal says nothing of the shutdown"
+echo "ok: after an orderly shutdown of the machine it goes on, restart 1"
+
 inside systemctl stop strainwave@first
 [[ $(inside systemctl show -P Result strainwave@first) == success ]] || fail "the end of a stop"
-cut_power
+shut_down
 boot
 until_true "after a stop a person is asked" refused
-echo "ok: after systemctl stop and a start of the machine it stands"
+[[ $(events machine_shutdown) == 1 ]] || fail "a stop by a person is taken for a shutdown"
+echo "ok: after systemctl stop, a shutdown and a start of the machine it stands"
 chroot "$root" /usr/bin/strainwave verify "$campaign" >/dev/null || fail "verify"
 echo "ok: the campaign is whole"

@@ -21,9 +21,9 @@ from running_campaign import Campaign, until  # noqa: E402
 
 PROGRAM = SERVER = pathlib.Path()
 MACHINE_FAILED = 3
-SLOW_MS = 300
+SLOW_MS = 2000
 WAITS_FOR_DISK = "request_wait_answer"
-LONGEST_S = 300  # until it is written down
+LONGEST_S = 900  # until it is written down
 
 
 class UnderLoad(unittest.TestCase):

@@ -332,6 +332,17 @@ TEST_F(Simulate, RunsTheNominalModelOfEveryKindToNothingFound) {
   }
 }
 
+TEST_F(Simulate, NothingButMotionIsJudgedByIt) {
+  for (const std::string kind : {"transmission_error", "hysteresis", "vibration"}) {
+    const std::string record = Path(kind + ".csv");
+    ASSERT_EQ(RunProgram({"simulate", kind, "--out", record, "--seed", "4"}).exit_code, 0);
+    ExpectRefusal({"diagnose", record, "--judge-by-simulation", "--out", Path("out")},
+                  record + ": error: a record of kind " + kind +
+                      " is not judged by simulation (expected one of kind motion, or no "
+                      "--judge-by-simulation)\n");
+  }
+}
+
 TEST_F(Simulate, RefusesAModelThatIsNone) {
   ExpectRefusal({"simulate", "weather", "--out", Path("out")},
                 "weather: error: there is no such model (expected transmission_error, hysteresis, motion or "

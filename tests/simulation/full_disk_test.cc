@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/mount.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <fstream>
 #include <string>
 
+#include "bench/campaign/checkpoint.h"
 #include "bench/campaign/journal.h"
 #include "tests/simulation/campaign_program.h"
 #include "tests/simulation/program.h"
@@ -96,6 +98,10 @@ class DiskThatOthersFill : public testing::Test {
     const ScratchFolder said;
     const pid_t process = StartProgram({"run", kSchedule, "--out", folder_, "--pace", "50"}, said);
     bench::Until([&] { return HasRows(); });
+    Leave(bytes);
+    return WaitForProgram(process, said);
+  }
+  void Leave(std::uintmax_t bytes) {
     const int other = ::open((disk_ / "of somebody else").c_str(), O_WRONLY | O_CREAT, 0600);
     // Again where the campaign has written meanwhile.
     bench::Until([&] {
@@ -103,7 +109,34 @@ class DiskThatOthersFill : public testing::Test {
       return ::posix_fallocate(other, 0, static_cast<off_t>(space.available - bytes)) == 0;
     });
     ::close(other);
-    return WaitForProgram(process, said);
+  }
+  // A campaign that has to warm up before it goes on: it stopped between a load run and what measures it, and
+  // how long ago is not known.
+  void StopWarm() {
+    const ScratchFolder said;
+    const pid_t process = StartProgram({"run", kSchedule, "--out", folder_, "--pace", "200"}, said);
+    WaitForPhase(folder_, "measurement_rotation", process);
+    ::kill(process, SIGTERM);
+    ASSERT_EQ(WaitForProgram(process, said).exit_code, 130);
+    auto left = bench::ReadCheckpoint(folder_ + "/checkpoint").value();
+    left.written.boot ^= 1;
+    bench::CheckpointWriter(folder_ + "/checkpoint").Write(left, left.machine_memory);
+  }
+  bool HasEvent(const std::string& code) const {
+    const auto journal = bench::Journal::Open(folder_ + "/campaign.db", bench::Database::Mode::kReadOnly);
+    const auto events = journal.Events(100);
+    return std::any_of(events.begin(), events.end(), [&](const auto& event) { return event.code == code; });
+  }
+  void ExpectEndedInWords(const ProgramResult& ended, const std::string& phase) const {
+    EXPECT_EQ(ended.exit_code, 3);
+    EXPECT_NE(ended.error.find(" are free, and what the cycle under way has recorded may take "),
+              std::string::npos)
+        << ended.error;
+    const auto journal = bench::Journal::Open(folder_ + "/campaign.db", bench::Database::Mode::kReadOnly);
+    const auto alarms = journal.Alarms(0.0);
+    ASSERT_EQ(alarms.size(), 1U);
+    EXPECT_EQ(alarms[0].code, "disk_full");
+    EXPECT_EQ(alarms[0].phase, phase);
   }
   // The first rows of a load run are there after ten seconds of the world's, when half of it is to come.
   bool HasRows() const {
@@ -116,7 +149,8 @@ class DiskThatOthersFill : public testing::Test {
   void GoOnWithRoom() {
     EXPECT_EQ(RunProgram({"status", folder_}).exit_code, 0);
     disk_.Remount(0, "size=90m");
-    const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", folder_, "--resume"});
+    const ProgramResult resumed =
+        RunProgram({"run", kSchedule, "--out", folder_, "--resume", "--accept-pause"});
     EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
     const auto journal = bench::Journal::Open(folder_ + "/campaign.db", bench::Database::Mode::kReadOnly);
     EXPECT_EQ(journal.LastCompleteCycle(), 3);
@@ -147,6 +181,28 @@ TEST_F(DiskThatOthersFill, EndsTheCycleWhileThatCanBeWrittenDown) {
     EXPECT_GT(phases.back().credited_load_s, 60.0) << "what was served counts";
     EXPECT_LT(phases.back().credited_load_s, 1200.0) << "it was ended before its time";
   }
+  GoOnWithRoom();
+}
+
+TEST_F(DiskThatOthersFill, IsSeenInReferencesBeforeTheGearIsWarmedUp) {
+  if (!disk_.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  StopWarm();
+  Leave(6 << 20);
+  ExpectEndedInWords(RunProgram({"run", kSchedule, "--out", folder_, "--resume", "--accept-pause"}),
+                     "referencing");
+  EXPECT_FALSE(HasEvent("warm_up"));
+  GoOnWithRoom();
+}
+
+TEST_F(DiskThatOthersFill, EndsAWarmUp) {
+  if (!disk_.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  StopWarm();
+  const ScratchFolder said;
+  const pid_t process =
+      StartProgram({"run", kSchedule, "--out", folder_, "--resume", "--accept-pause", "--pace", "100"}, said);
+  bench::Until([&] { return HasEvent("warm_up"); });
+  Leave(6 << 20);
+  ExpectEndedInWords(WaitForProgram(process, said), "warm_up");
   GoOnWithRoom();
 }
 

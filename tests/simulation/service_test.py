@@ -140,11 +140,13 @@ class Service(unittest.TestCase):
         self.assertEqual(self.status()["unattended_restarts"], 1)
 
     def test_does_not_go_on_after_a_stop(self):
-        self.assertEqual(self.order(self.schedule).returncode, 0)
-        process = self.begin(self.manager())
-        process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(60), 130)
-        self.assertRegex(self.refusal(), r"^its last run was not cut, but has ended \(.+\)$")
+        # SIGTERM is the machine's where it comes from process 1 alone (tests/packaging/service_under_systemd.sh).
+        for stop, words in ((signal.SIGINT, [self.schedule]), (signal.SIGTERM, ["--resume"])):
+            self.assertEqual(self.order(*words).returncode, 0)
+            process = self.begin(self.manager())
+            process.send_signal(stop)
+            self.assertEqual(process.wait(60), 130)
+            self.assertRegex(self.refusal(), r"^its last run was not cut, but has ended \(.+\)$")
 
     def test_does_not_go_on_where_the_schedule_does_not_say_so(self):
         self.write(RULES)
