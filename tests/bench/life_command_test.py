@@ -150,10 +150,91 @@ class Life(unittest.TestCase):
         self.assert_refused("time_h\n1\n2\n", "--bounds: error: 'wald' are no bounds (expected lr, lr-plain or fisher)\n",
                             "--bounds", "wald")
 
+    def test_steps_of_torque_count_by_the_cube_law(self):
+        plain, stepped = ["time_h,status"], ["unit,time_h,status,torque_Nm"]
+        for i, life in enumerate((900, 1500, 2000, 2600, 3300)):
+            plain.append(f"{life},failed")
+            stepped.append(f"U{i},400,ran,34")
+            stepped.append(f"U{i},{400 + (life - 400) / 8},failed,68")
+        plain, stepped = "\n".join(plain) + "\n", "\n".join(stepped) + "\n"
+        expected = self.json(plain)["weibull"]["quantiles"]["B10"]
+        found = self.json(stepped, "--use-torque", "34", "--exponents", "catalogue")
+        self.assertAlmostEqual(found["quantiles"]["B10"]["value"] / expected["value"], 1.0, 4)
+        self.assertAlmostEqual(found["quantiles"]["B10"]["low"] / expected["likelihood_ratio"][0], 1.0, 3)
+        self.assertEqual(found["exponents"]["torque"]["value"], 3)
+        ran = self.life(stepped)
+        self.assertEqual(ran.stderr, "warning: loads count with --use-torque or --use-speed alone: times are taken as they "
+                                     "are\n")
+
+    def test_loads_that_tell_nothing_are_refused(self):
+        table = "time_h,status,torque_Nm\n100,failed,50\n200,failed,50\n"
+        self.assert_refused(table, "times.csv: error: torque is the same in all steps of all units: its exponent cannot be "
+                                   "fitted (expected another torque of some units, or the catalogue's exponent)\n",
+                            "--use-torque", "34", "--exponents", "fitted")
+        self.assert_refused(table, "times.csv: error: has no column speed_rpm (expected the load of each unit, or of each of "
+                                   "its steps)\n", "--use-speed", "1000")
+        ran = self.life(table, "--use-torque", "34")
+        self.assertEqual(ran.stderr, "warning: torque is the same in all steps of all units: its exponent is the "
+                                     "catalogue's alone\n")
+
+    def test_a_campaign_plans_the_test_that_shows_a_life(self):
+        schedule = pathlib.Path(__file__).resolve().parents[2] / "schedules/paper.yaml"
+        ran = subprocess.run([PROGRAM, "validate", schedule, "--show-life", "7000", "--shape", "1", "--json"],
+                             capture_output=True, text=True, check=True)
+        whole = json.loads(ran.stdout)
+        plan = whole["show_life"]
+        # The share of L10 = 7000 h; ln 0.1 / (n ln 0.9) lives of each of n.
+        self.assertAlmostEqual(plan["campaign_rated_h"], 7000 * whole["bearing_life_share"], 6)
+        three = next(row for row in plan["plans"] if row["specimens"] == 3 and row["failures_allowed"] == 0)
+        self.assertAlmostEqual(three["rated_h_each"], 7000 * math.log(0.1) / (3 * math.log(0.9)), 6)
+        number = plan["specimens_for_one_campaign_each"][0]
+        self.assertEqual(number, math.ceil(7000 * math.log(0.1) / (plan["campaign_rated_h"] * math.log(0.9))))
+
     def test_what_is_not_used_is_told(self):
         ran = self.life("time_h,colour\n100,red\n200,red\n")
         self.assertEqual(ran.stderr, "warning: times.csv: there is no column status: every unit counts as failed\n"
                                      "warning: times.csv: column 'colour' is not used\n")
+
+
+class Campaigns(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        schedule = pathlib.Path(__file__).resolve().parents[2] / "schedules/quick.yaml"
+        (cls.folder / "short.yaml").write_text(schedule.read_text().replace("cycles: 12", "cycles: 2"))
+        for source, name in ((schedule, "a"), (cls.folder / "short.yaml", "short")):
+            subprocess.run([PROGRAM, "run", source, "--out", cls.folder / name], capture_output=True, check=True)
+
+    def life(self, *arguments):
+        return subprocess.run([PROGRAM, "life", *arguments], cwd=self.folder, capture_output=True, text=True)
+
+    def test_a_limit_that_is_not_approached_has_no_forecast(self):
+        ran = self.life("a", "--limit", "k2_Nm_per_rad=80", "--json")
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+        found = json.loads(ran.stdout)
+        limit = found["campaigns"][0]["limits"][0]
+        self.assertEqual((limit["approached"], limit["met_at_cycle"]), (False, None))
+        self.assertAlmostEqual(limit["limit"], 0.8 * limit["first"], 6)
+        self.assertNotIn("forecast", limit)
+        self.assertIn("k2_Nm_per_rad", [row["name"] for row in found["features"]])
+        self.assertEqual(ran.stderr, "warning: k2_Nm_per_rad: no life of others: one specimen tells nothing of how others "
+                                     "differ (expected two campaigns at least, of different specimens; its own forecast needs "
+                                     "one)\n")
+        self.assertIn("not approached: no forecast", self.life("a", "--limit", "k2_Nm_per_rad=80").stdout)
+
+    def test_one_specimen_twice_is_told(self):
+        self.assertIn("warning: a: specimen SIM-0001 is in two campaigns: it counts as two\n", self.life("a", "a").stderr)
+
+    def test_what_is_no_trend_is_refused(self):
+        for arguments, said in ((("short",), "short: error: has 2 complete cycles (expected 8 at least, for a trend)\n"),
+                                (("a", "--limit", "k9=80"), "a: error: has no results of k9 (expected a quantity of it; "
+                                                            "strainwave table lists them)\n"),
+                                (("a", "--limit", "k2"), "--limit: error: 'k2' is no limit (expected QUANTITY=PERCENT of its "
+                                                         "first value, such as k2_Nm_per_rad=80)\n")):
+            ran = self.life(*arguments)
+            self.assertEqual((ran.returncode, ran.stdout, ran.stderr), (2, "", said))
 
 
 if __name__ == "__main__":
