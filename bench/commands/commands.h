@@ -39,6 +39,7 @@ void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
 void AddHealth(CLI::App& app, Action& action);
 void AddFaults(CLI::App& app, Action& action);
+void AddLife(CLI::App& app, Action& action);
 void AddFingerprint(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

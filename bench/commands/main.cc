@@ -97,6 +97,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddPredict(app, action);
   strainwave::bench::AddExport(app, action);
   strainwave::bench::AddMonitor(app, action);
+  strainwave::bench::AddLife(app, action);
   strainwave::bench::AddHealth(app, action);
   strainwave::bench::AddFaults(app, action);
   strainwave::bench::AddFingerprint(app, action);

@@ -18,6 +18,8 @@
 #include "bench/commands/terminal.h"
 #include "bench/configuration/sensors_of.h"
 #include "bench/errors/bench_error.h"
+#include "bench/life/planned_test.h"
+#include "bench/life/times_report.h"
 #include "bench/safety/interlocks.h"
 #include "bench/trip_test/trip_row.h"
 #include "schedules/reader/plan.h"
@@ -28,6 +30,9 @@ namespace {
 struct ValidateOptions {
   std::string schedule;
   std::string bench;
+  double show_life_h{};
+  double confidence_percent{90.0};
+  double shape{};
   bool json{};
 };
 
@@ -164,14 +169,24 @@ nlohmann::json InterlocksJson(const std::vector<Interlock>& interlocks) {
   return rows;
 }
 
+std::optional<PlannedTest> PlannedTestOf(const ValidateOptions& options, const schedules::Schedule& schedule,
+                                         const LifePlan& life) {
+  if (options.show_life_h <= 0.0) return std::nullopt;
+  return PlanTest({.b10_h = options.show_life_h,
+                   .confidence = options.confidence_percent / 100.0,
+                   .shape = options.shape > 0.0 ? options.shape : CatalogueShape(),
+                   .campaign_h = life.whole_share * schedule.specimen.bearing_l10_s / SecondsFromHours(1.0),
+                   .cycles = schedule.cycles});
+}
+
 void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life,
-               const std::vector<Interlock>& interlocks) {
+               const std::vector<Interlock>& interlocks, const std::optional<PlannedTest>& planned) {
   nlohmann::json streams = nlohmann::json::array();
   for (const auto& stream : plan.streams) {
     streams.push_back(
         {{"name", stream.name}, {"rows_per_cycle", stream.rows_per_cycle}, {"bytes", stream.bytes_total}});
   }
-  const nlohmann::json document{
+  nlohmann::json document{
       {"valid", true},
       {"schedule", schedule.name},
       {"cycles", schedule.cycles},
@@ -190,6 +205,7 @@ void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan,
       {"ratcheting_margin", life.margins.ratcheting},
       {"buckling_margin", life.margins.buckling},
       {"interlocks", InterlocksJson(interlocks)}};
+  if (planned) document["show_life"] = JsonOf(*planned);
   ToStdout("{}\n", document.dump(2));
 }
 
@@ -203,8 +219,13 @@ int Validate(const ValidateOptions& options) {
   const schedules::Plan plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
   const LifePlan life = LifeOf(inputs.schedule, plan);
   const std::vector<Interlock> interlocks = InterlocksOf(inputs);
-  options.json ? PrintJson(inputs.schedule, plan, life, interlocks)
-               : PrintPlan(inputs.schedule, plan, life, interlocks);
+  const std::optional<PlannedTest> planned = PlannedTestOf(options, inputs.schedule, life);
+  if (options.json) {
+    PrintJson(inputs.schedule, plan, life, interlocks, planned);
+  } else {
+    PrintPlan(inputs.schedule, plan, life, interlocks);
+    if (planned) ToStdout("{}", TextOf(*planned));
+  }
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -219,6 +240,17 @@ void AddValidate(CLI::App& app, Action& action) {
   command->add_option("SCHEDULE", options->schedule, "schedule file (YAML)")->required();
   command->add_option("--bench", options->bench,
                       "bench file (YAML); without it, the embedded simulated bench");
+  command
+      ->add_option("--show-life", options->show_life_h,
+                   "h at the rated load: how many specimens, how long, to show that B10 is at least that")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--confidence", options->confidence_percent, "% with which --show-life shows it")
+      ->check(CLI::Range(50.0, 99.9))
+      ->capture_default_str();
+  command
+      ->add_option("--shape", options->shape,
+                   "of the Weibull law of --show-life (default: 1.17, the maker's L10 and L50)")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--json", options->json, "the plan as JSON on standard output");
   command->callback([options, &action] { action = [options] { return Validate(*options); }; });
 }

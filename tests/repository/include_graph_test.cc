@@ -37,7 +37,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"configuration", "controller", "serving"},
                                                          {"machines", "accounts"},
                                                          {"campaign"},
-                                                         {"trip_test", "integrity"},
+                                                         {"trip_test", "integrity", "life"},
                                                          {"records"},
                                                          {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/life/campaign_lives.h"
+#include "bench/plots/gnuplot.h"
+#include "bench/plots/script.h"
+
+namespace strainwave::bench {
+namespace {
+
+using analysis::reliability::BoundedEstimate, analysis::reliability::Interval;
+using nlohmann::ordered_json;
+
+std::string Cycles(double value) { return std::isfinite(value) ? fmt::format("{:.0f}", value) : "never"; }
+
+std::string ForecastText(const CampaignLimit& limit) {
+  std::string text = fmt::format("  {:28} {:>10.5g} {:>10.5g} {:>10.5g}  ", limit.quantity, limit.first,
+                                 limit.last, limit.limit);
+  if (limit.met_at) return text + fmt::format("met at cycle {}\n", *limit.met_at);
+  if (!limit.forecast.is_approached) return text + "not approached: no forecast\n";
+  return text + fmt::format("at cycle {} ({} to {})\n", Cycles(limit.forecast.cycle),
+                            Cycles(limit.forecast.interval.low), Cycles(limit.forecast.interval.high));
+}
+
+std::string CyclesRow(const std::string& name, const BoundedEstimate& estimate, LifeBounds bounds) {
+  const Interval shown = ShownOf(estimate, bounds);
+  return fmt::format("  {:28} {:>10} {:>10} {:>10}\n", name, Cycles(estimate.value), Cycles(shown.low),
+                     Cycles(shown.high));
+}
+
+ordered_json KnownJson(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json LimitJson(const CampaignLimit& limit) {
+  ordered_json json{
+      {"quantity", limit.quantity}, {"first", limit.first}, {"last", limit.last}, {"limit", limit.limit}};
+  json["met_at_cycle"] = limit.met_at ? ordered_json(*limit.met_at) : ordered_json(nullptr);
+  json["approached"] = limit.met_at || limit.forecast.is_approached;
+  if (!limit.forecast.is_approached) return json;
+  json["forecast"] = {{"cycle", limit.forecast.cycle},
+                      {"low", KnownJson(limit.forecast.interval.low)},
+                      {"high", KnownJson(limit.forecast.interval.high)},
+                      {"power", limit.forecast.power}};
+  return json;
+}
+
+}  // namespace
+
+std::string TextOf(const CampaignsReport& report) {
+  std::string text;
+  for (const CampaignLife& campaign : report.campaigns) {
+    text += fmt::format("{}: specimen {}, {} cycles\n  {:28} {:>10} {:>10} {:>10}  {}\n", campaign.folder,
+                        campaign.specimen, campaign.cycles, "limit of", "first", "now", "limit",
+                        fmt::format("met ({:g} %)", 100.0 * report.settings.level));
+    for (const CampaignLimit& limit : campaign.limits) text += ForecastText(limit);
+    if (campaign.limits.empty()) text += "  none\n";
+  }
+  for (const QuantityLife& life : report.lives) {
+    text += fmt::format(
+        "\nlife to the limit of {}, in cycles, from {} specimens (mixed effects, way = a + b cycle^{:.2f})\n "
+        " {:28} {:>10} {:>10} {:>10}\n",
+        life.quantity, life.life.pseudo_failures.size(), life.life.power, "", "likeliest",
+        fmt::format("{:g} % from", 100.0 * report.settings.level), "to");
+    for (std::size_t i = 0; i < report.settings.shares.size(); ++i) {
+      text +=
+          CyclesRow(QuantileName(report.settings.shares[i]), life.life.quantiles[i], report.settings.bounds);
+      if (life.pseudo)
+        text += CyclesRow("  by pseudo-failures, Weibull", life.pseudo->quantiles[i].life,
+                          report.settings.bounds);
+    }
+  }
+  text +=
+      fmt::format("\nwhich trends predict (Coble 2009; {} specimen{})\n  {:34} {:>12} {:>14} {:>12}\n",
+                  report.campaigns.size(), report.campaigns.size() == 1 ? ": monotonicity alone tells" : "s",
+                  "", "monotonicity", "prognosability", "trendability");
+  constexpr std::size_t kShown = 12;
+  for (std::size_t i = 0; i < std::min(kShown, report.features.size()); ++i) {
+    const RankedFeature& feature = report.features[i];
+    text += fmt::format("  {:34} {:>12.2f} {:>14.2f} {:>12.2f}\n", feature.quantity,
+                        feature.worth.monotonicity, feature.worth.prognosability, feature.worth.trendability);
+  }
+  return text;
+}
+
+ordered_json JsonOf(const CampaignsReport& report) {
+  ordered_json json{
+      {"kind", "campaigns"}, {"level", report.settings.level}, {"campaigns", ordered_json::array()}};
+  for (const CampaignLife& campaign : report.campaigns) {
+    ordered_json one{{"folder", campaign.folder},
+                     {"specimen", campaign.specimen},
+                     {"cycles", campaign.cycles},
+                     {"limits", ordered_json::array()}};
+    for (const CampaignLimit& limit : campaign.limits) one["limits"].push_back(LimitJson(limit));
+    json["campaigns"].push_back(one);
+  }
+  json["life"] = ordered_json::object();
+  for (const QuantityLife& life : report.lives) {
+    ordered_json one{{"power", life.life.power},
+                     {"log_slope_deviation", life.life.log_slope_deviation},
+                     {"noise", life.life.noise}};
+    for (const double cycle : life.life.pseudo_failures) one["pseudo_failures"].push_back(KnownJson(cycle));
+    for (std::size_t i = 0; i < report.settings.shares.size(); ++i) {
+      const std::string name = QuantileName(report.settings.shares[i]);
+      one["quantiles"][name] = JsonOf(life.life.quantiles[i], report.settings.bounds);
+      if (life.pseudo)
+        one["by_pseudo_failures"][name] = JsonOf(life.pseudo->quantiles[i].life, report.settings.bounds);
+    }
+    json["life"][life.quantity] = one;
+  }
+  json["features"] = ordered_json::array();
+  for (const RankedFeature& feature : report.features)
+    json["features"].push_back({{"name", feature.quantity},
+                                {"monotonicity", feature.worth.monotonicity},
+                                {"prognosability", feature.worth.prognosability},
+                                {"trendability", feature.worth.trendability}});
+  json["warnings"] = report.warnings;
+  return json;
+}
+
+std::filesystem::path DrawForecasts(const CampaignsReport& report, const std::filesystem::path& stem) {
+  std::string script;
+  std::string plot;
+  std::size_t number = 0;
+  for (const CampaignLife& campaign : report.campaigns) {
+    for (const CampaignLimit& limit : campaign.limits) {
+      const auto shown = analysis::reliability::Binned(limit.path, 400);
+      const std::string name = fmt::format("path{}", number++);
+      script += DataBlock(name, {shown.cycle, shown.way});
+      plot += fmt::format("{}${} using 1:2 with lines lw 1.5 title {}", plot.empty() ? "plot " : ", ", name,
+                          Quoted(campaign.specimen + " " + limit.quantity));
+      if (!limit.forecast.is_approached) continue;
+      const double high = std::isfinite(limit.forecast.interval.high) ? limit.forecast.interval.high
+                                                                      : 3.0 * limit.forecast.cycle;
+      const std::vector<double> at{limit.forecast.cycle}, one{1.0}, low{limit.forecast.interval.low},
+          until{high};
+      script += DataBlock(name + "met", {at, one, low, until});
+      plot += fmt::format(", ${}met using 1:2:3:4 with xerrorbars pt 7 lw 1.5 title 'forecast'", name);
+    }
+  }
+  script += CommonStyle() +
+            "set xlabel 'cycle'\nset ylabel 'way to the limit'\nset yrange [*:1.15]\nset key top left\nset "
+            "title 'way to each limit, and when it is forecast to be met'\n";
+  return RenderPicture(script + plot + ", 1 with lines dt 2 lc rgb '#444444' title 'limit'\n", stem,
+                       {1000, 700});
+}
+
+}  // namespace strainwave::bench

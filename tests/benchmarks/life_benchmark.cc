@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// How often 90 % intervals of a Weibull law hold the truth, at few failures, with Fisher's, likelihood-ratio
+// and standardised bounds; and how long a fit of many units with all its bounds takes.
+//   life_benchmark coverage [SAMPLES]
+//   life_benchmark fit TIMES    one line a unit: TIME STATUS, status 1 for a failure
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "analysis/reliability/few_failures.h"
+#include "analysis/reliability/weibull_fit.h"
+
+namespace {
+
+using namespace strainwave::analysis::reliability;
+
+constexpr double kShape = 2.0;
+constexpr double kScale = 1000.0;
+
+struct Tally {
+  int held{};
+  int below{};  // the truth lies below the interval
+  void Take(const Interval& interval, double truth) {
+    held += interval.low <= truth && truth <= interval.high;
+    below += truth < interval.low;
+  }
+};
+
+// `units`, of which those are suspended that live longer than `end`, or all after the first `failures`.
+std::vector<Lifetime> Draw(int units, int failures, double end, std::mt19937_64& random) {
+  std::weibull_distribution<double> law(kShape, kScale);
+  std::vector<double> times;
+  for (int i = 0; i < units; ++i) times.push_back(law(random));
+  std::sort(times.begin(), times.end());
+  std::vector<Lifetime> lives;
+  for (int i = 0; i < units; ++i) {
+    const double last = std::min(end, times[static_cast<std::size_t>(failures - 1)]);
+    const double time = times[static_cast<std::size_t>(i)];
+    lives.push_back(time <= last ? Lifetime::Failed(time) : Lifetime::Suspended(last));
+  }
+  return lives;
+}
+
+void Cover(const char* what, int units, int failures, double end, int samples) {
+  std::mt19937_64 random(1);
+  const double b10 = WeibullQuantile(kShape, kScale, 0.1);
+  const char* names[] = {"Fisher", "likelihood ratio", "corrected (default)"};
+  Tally of_b10[3], of_shape[3];
+  int fitted = 0;
+  const bool by_count = end == kNever;
+  const FewFailures few{failures, {{static_cast<double>(units), kNever}}};
+  const RootMoments quantile = QuantileRoots(few, 0.1), shape = ShapeRoots(few);
+  for (int k = 0; k < samples; ++k) {
+    const std::vector<Lifetime> lives = Draw(units, failures, end, random);
+    if (CountLifetimes(lives).failures < 2.0) continue;
+    ++fitted;
+    const WeibullFit fit = FitWeibull(lives);
+    BoundsSettings settings;
+    settings.simulated = 400;
+    // The same for all samples that end at a failure.
+    if (by_count) settings.few = quantile;
+    const BoundedEstimate life = BoundsOfQuantile(fit, lives, 0.1, settings);
+    if (by_count) settings.few = shape;
+    const BoundedEstimate form = BoundsOf(fit, lives, settings).shape;
+    const Interval lives_of[] = {life.fisher, life.likelihood_ratio, life.corrected};
+    const Interval shapes_of[] = {form.fisher, form.likelihood_ratio, form.corrected};
+    for (int i = 0; i < 3; ++i) {
+      of_b10[i].Take(lives_of[i], b10);
+      of_shape[i].Take(shapes_of[i], kShape);
+    }
+  }
+  for (int i = 0; i < 3; ++i)
+    std::printf("%-34s %-20s %8.1f %8.1f %8.1f %8.1f   of %d\n", i == 0 ? what : "", names[i],
+                100.0 * of_b10[i].held / fitted, 100.0 * of_b10[i].below / fitted,
+                100.0 * of_shape[i].held / fitted, 100.0 * of_shape[i].below / fitted, fitted);
+}
+
+int Coverage(int samples) {
+  std::printf("two-sided 90 %% intervals; truth shape 2; %d samples a row\n%-34s %-20s %8s %8s %8s %8s\n",
+              samples, "", "", "B10 %", "below %", "shape %", "below %");
+  Cover("3 units, all failed", 3, 3, kNever, samples);
+  Cover("5 units, all failed", 5, 5, kNever, samples);
+  Cover("10 units, all failed", 10, 10, kNever, samples);
+  Cover("10 units to the 5th failure", 10, 5, kNever, samples);
+  Cover("10 units to 0.83 of the scale", 10, 10, 0.8326 * kScale, samples / 5);
+  Cover("5 units to 1.2 of the scale", 5, 5, 1.2 * kScale, samples / 5);
+  Cover("20 units to 0.5 of the scale", 20, 20, 0.5 * kScale, samples / 5);
+  return 0;
+}
+
+int Fit(const char* file) {
+  std::ifstream in(file);
+  std::vector<Lifetime> lives;
+  double time = 0.0;
+  int status = 0;
+  while (in >> time >> status)
+    lives.push_back(status == 1 ? Lifetime::Failed(time) : Lifetime::Suspended(time));
+  const auto begun = std::chrono::steady_clock::now();
+  const WeibullFit fit = FitWeibull(lives);
+  const WeibullBounds bounds = BoundsOf(fit, lives, {});
+  const BoundedEstimate b10 = BoundsOfQuantile(fit, lives, 0.1, {});
+  const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  std::printf("%.6f s %.8f %.8f %.8f %.8f %.8f %.8f\n", s, fit.shape, fit.scale,
+              bounds.shape.likelihood_ratio.low, bounds.shape.likelihood_ratio.high, b10.likelihood_ratio.low,
+              b10.likelihood_ratio.high);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "coverage") return Coverage(argc > 2 ? std::atoi(argv[2]) : 10000);
+  if (what == "fit" && argc > 2) return Fit(argv[2]);
+  std::fputs("life_benchmark coverage [SAMPLES] | fit TIMES\n", stderr);
+  return 2;
+}
