@@ -43,7 +43,7 @@ class TermDraw {
         if (term.lines.empty()) return std::nullopt;
         return term;
       case VibrationCause::kToothEngagement:
-        for (const double harmonic : {1.0, 2.0}) term.lines.push_back({0.0, harmonic * CrackOrder()});
+        term.lines = {{0.0, CrackOrder()}};  // smooth; with its multiples it would be a crack's
         return term;
       case VibrationCause::kBearingDefect:
         return Train(Between(kLowestBearingOrder, kHighestBearingOrder));
