@@ -168,6 +168,15 @@ Finding Report(const Judge& judge, const ScoredModel& model, const Found& found,
   return finding;
 }
 
+void ReportNames(const Study& study, std::span<const Found> all_found, Diagnosis& diagnosis) {
+  for (const Found& one : all_found) {
+    diagnosis.candidates.push_back({one.cause, one.judged.evidence, true, {}});
+    const bool named = study.causes()[one.cause].named;
+    (named ? diagnosis.causes : diagnosis.nuisance_terms)
+        .push_back({one.cause, {}, one.judged.evidence, 0.0, {}, one.simulated});
+  }
+}
+
 bool IsCurve(const Finding& nuisance_term) {
   return std::ranges::any_of(nuisance_term.parameters,
                              [](const ParameterValue& value) { return value.name.starts_with(kCurvePart); });
@@ -208,7 +217,8 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
     selection = Select(*judge, options.given_causes, searching);
   }
   if (options.progress) options.progress("judging what was found", kShareOfSearch);
-  const ScoredModel nominal = judge->Fit(options.given_causes, nullptr, FitPurpose::kReport);
+  const FitPurpose of_nominal = options.names_only ? FitPurpose::kJudge : FitPurpose::kReport;
+  const ScoredModel nominal = judge->Fit(options.given_causes, nullptr, of_nominal);
   ScoredModel extended = judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kJudge);
   diagnosis.candidates = std::move(selection.candidates);
   std::vector<Found> all_found = DropUnproven(*judge, extended, options, diagnosis.candidates);
@@ -233,6 +243,10 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
       diagnosis.notes.emplace_back(
           "the records cannot be simulated without what was found: it is not judged by simulation");
     }
+  }
+  if (options.names_only) {
+    ReportNames(study, all_found, diagnosis);
+    return diagnosis;
   }
   extended = judge->Fit(extended.fit.causes, &extended.fit, FitPurpose::kReport);
   diagnosis.nominal = nominal.fit;

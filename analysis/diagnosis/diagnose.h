@@ -86,6 +86,9 @@ struct DiagnoseOptions {
   /// Records without the causes found: a cause that is named as clearly in some of them is dropped. Empty: no
   /// cause is judged so.
   SimulateNull simulate;
+  /// Ends as soon as it is known what is found: of the Diagnosis causes and nuisance terms with their
+  /// evidence, and the candidates; no parameters, rivals, gain, nor words of what is left.
+  bool names_only{};
 };
 
 /// Finds what the nominal model of a study lacks.

@@ -110,6 +110,9 @@ class SeparableStudy final : public Study {
   std::vector<double> ModelUncertainty(const ModelFit& fit) const override;
   Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
                           std::span<const NamedCause> causes) const override;
+  std::unique_ptr<Study> WithResponse(std::span<const double> measured) const override;
+  std::optional<DrawnEffect> DrawEffect(std::size_t cause, const ModelFit& beside,
+                                        std::uint64_t draw) const override;
 
  private:
   SeparableModel model_;

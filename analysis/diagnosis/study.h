@@ -3,7 +3,10 @@
 
 #include <Eigen/Dense>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -133,6 +136,16 @@ struct ModelFit {
 /// included.
 enum class FitPurpose { kCompare, kJudge, kReport };
 
+/// One draw of what a cause may be: its nonlinear parameters within their prior ranges, its linear ones in
+/// one direction, at a size that can be chosen.
+struct DrawnEffect {
+  std::string amount;                 // the parameter that says how large it is, "amplitude_arcmin"
+  std::string unit;                   // of the amount
+  double largest_amount{kUnlimited};  // within its prior range
+  /// What it adds to the response, SI, one a sample, at an amount above 0 in `unit`.
+  std::function<Eigen::VectorXd(double amount)> added;
+};
+
 /// A quantity that users care for, as the record has it and as a model predicts it.
 struct UserQuantity {
   std::string name;  // "e_max_arcmin"
@@ -229,6 +242,17 @@ class Study {
   /// @throws std::invalid_argument naming an unknown cause, or a parameter that is unknown or missing.
   virtual Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
                                   std::span<const NamedCause> causes) const = 0;
+
+  /// The same records with another response (SI, one a sample): what they are made of besides stays. Null
+  /// where a kind cannot.
+  virtual std::unique_ptr<Study> WithResponse(std::span<const double> /*measured*/) const { return nullptr; }
+
+  /// A cause drawn at random beside a fit of these records; the same for the same draw. Nothing where the
+  /// kind, or the record, has none.
+  virtual std::optional<DrawnEffect> DrawEffect(std::size_t /*cause*/, const ModelFit& /*beside*/,
+                                                std::uint64_t /*draw*/) const {
+    return std::nullopt;
+  }
 };
 
 }  // namespace strainwave::analysis::diagnosis

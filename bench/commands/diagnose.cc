@@ -2,6 +2,7 @@
 
 #include <malloc.h>
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include "analysis/diagnosis/detection_power.h"
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/residuals.h"
 #include "bench/campaign/folder.h"
@@ -24,6 +26,7 @@
 #include "bench/diagnosis/diagnosis_text.h"
 #include "bench/diagnosis/extended_model.h"
 #include "bench/diagnosis/nominal_models.h"
+#include "bench/diagnosis/power_report.h"
 #include "bench/diagnosis/residual_views.h"
 #include "bench/errors/bench_error.h"
 #include "bench/plots/gnuplot.h"
@@ -42,6 +45,7 @@ struct DiagnoseCommand {
   RecordChoice choice;
   unsigned long long seed{1};
   bool details{};
+  bool power{};
   std::string map;
   bool json{};
 };
@@ -57,13 +61,18 @@ void KeepFreedMemory() {
   mallopt(M_TOP_PAD, 16 << 20);
 }
 
-diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<ExtendedModel>& model,
-                                  const DiagnoseCommand& command, ShareLine& line) {
+diagnosis::DiagnoseOptions OptionsOf(const StudyInput& input, const std::optional<ExtendedModel>& model,
+                                     const DiagnoseCommand& command) {
   diagnosis::DiagnoseOptions options;
   options.seed = command.seed;
   options.parallel = OnAllProcessors;
   options.simulate = input.simulate;
   if (model) options.given_causes = GivenCauses(*model, *input.study, command.model);
+  return options;
+}
+
+diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, diagnosis::DiagnoseOptions options,
+                                  const DiagnoseCommand& command, ShareLine& line) {
   options.progress = [&](const std::string& step, double share) {
     line.Show(step, share * (command.out.empty() ? 1.0 : kShareOfFits));
   };
@@ -73,6 +82,20 @@ diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<E
     throw BenchError(ExitCode::kWrongInput,
                      fmt::format("{}: error: {}", input.records.front().file, error.what()));
   }
+}
+
+// A line of its own: how long it takes says nothing of how long the diagnosis took.
+diagnosis::DetectionPower MeasurePower(const StudyInput& input, const diagnosis::Diagnosis& result,
+                                       diagnosis::DiagnoseOptions options) {
+  ShareLine line;
+  options.progress = [&](const std::string& step, double share) { line.Show(step, share); };
+  return diagnosis::MeasureDetectionPower(*input.study, result, options);
+}
+
+// Each of some hundred records would be judged by up to 19 more.
+void RefusePowerOfSimulation(const DiagnoseCommand& command) {
+  if (command.power && command.choice.simulated)
+    Refuse(command.paths.front(), "--power beside --judge-by-simulation", "one of the two");
 }
 
 std::optional<ExtendedModel> ReadModel(const DiagnoseCommand& command, StudyKind kind) {
@@ -110,6 +133,7 @@ std::vector<RecordWarning> WarningsOfOpen(const diagnosis::Diagnosis& result, co
 }
 
 int Run(const DiagnoseCommand& command) {
+  RefusePowerOfSimulation(command);
   KeepFreedMemory();
   ShareLine line;
   line.Show("reading " + FileText(command.paths.front()), 0.0);
@@ -118,7 +142,8 @@ int Run(const DiagnoseCommand& command) {
   StudyInput input = ReadStudyInput(command.paths, choice);
   const std::optional<ExtendedModel> given = ReadModel(command, input.kind);
   TellWarnings(input.warnings);
-  diagnosis::Diagnosis result = RunDiagnosis(input, given, command, line);
+  const diagnosis::DiagnoseOptions options = OptionsOf(input, given, command);
+  diagnosis::Diagnosis result = RunDiagnosis(input, options, command, line);
   result.notes.insert(result.notes.begin(), input.notes.begin(), input.notes.end());
   const std::vector<RecordWarning> open = WarningsOfOpen(result, input);
   TellWarnings(open);
@@ -132,6 +157,12 @@ int Run(const DiagnoseCommand& command) {
         Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size())),
         result.weights, command.seed);
   }
+  const auto start = std::chrono::steady_clock::now();
+  if (command.power) {
+    line.Clear();
+    report.power = MeasurePower(input, result, options);
+  }
+  const std::chrono::duration<double> planting = std::chrono::steady_clock::now() - start;
   const nlohmann::ordered_json document = DiagnosisJson(report);
   std::string files;
   std::string picture_trouble;
@@ -154,7 +185,8 @@ int Run(const DiagnoseCommand& command) {
   }
   line.Clear();
   command.json ? ToStdout("{}\n", document.dump(2))
-               : ToStdout("{}{}", DiagnosisText(report, command.details), files);
+               : ToStdout("{}{}{}", DiagnosisText(report, command.details),
+                          PowerText(report, DurationText(planting.count())), files);
   if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
   ToStderr("error: no pictures: {}\n", picture_trouble);
   return static_cast<int>(ExitCode::kMachineFailed);
@@ -188,6 +220,9 @@ void AddDiagnose(CLI::App& app, Action& action) {
       "--judge-by-simulation", options->choice.simulated,
       "of motion: a cause is named only if records of an axis in closed loop, simulated without it, "
       "do not show as much; takes up to 20 times as long");
+  command->add_flag("--power", options->power,
+                    "how large each effect has to be in these records to be found nine times of ten: each is "
+                    "planted into them at growing size, and searched for; takes some hundred times as long");
   AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "the diagnosis as JSON on standard output");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });

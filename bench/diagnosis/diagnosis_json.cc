@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bench/diagnosis/extended_model.h"
+#include "bench/diagnosis/power_report.h"
 #include "daq/software.h"
 
 namespace strainwave::bench {
@@ -157,27 +158,29 @@ Json UnexplainedJson(const DiagnosisReport& report) {
 nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
   const diagnosis::Study& study = *report.input.study;
-  return {{"verdict", VerdictText(result.verdict)},
-          {"kind", NameOf(report.input.kind)},
-          {"nominal", NominalJson(report)},
-          {"causes", CausesJson(report)},
-          {"extended",
-           {{"heldout_rmse", Finite(result.extended_heldout_rmse * study.unit_per_si())},
-            {"noise_floor", Finite(result.noise_floor * study.unit_per_si())},
-            {"unit", study.unit()},
-            {"parameters", ParametersJson(result.extended.nominal)}}},
-          {"gain",
-           {{"heldout_rmse_reduction", Finite(result.gain.reduction)},
-            {"ci95", {Finite(result.gain.low), Finite(result.gain.high)}}}},
-          {"unexplained", UnexplainedJson(report)},
-          {"to_settle", MeasurementsToSettle(report)},
-          {"corrections", NuisanceTermsJson(report)},
-          {"candidates", CandidatesJson(report)},
-          {"quantities", QuantitiesJson(report)},
-          {"records", RecordsJson(report.input)},
-          {"notes", result.notes},
-          {"warnings", report.input.WarningTexts()},
-          {"software", daq::Software()}};
+  Json document{{"verdict", VerdictText(result.verdict)},
+                {"kind", NameOf(report.input.kind)},
+                {"nominal", NominalJson(report)},
+                {"causes", CausesJson(report)},
+                {"extended",
+                 {{"heldout_rmse", Finite(result.extended_heldout_rmse * study.unit_per_si())},
+                  {"noise_floor", Finite(result.noise_floor * study.unit_per_si())},
+                  {"unit", study.unit()},
+                  {"parameters", ParametersJson(result.extended.nominal)}}},
+                {"gain",
+                 {{"heldout_rmse_reduction", Finite(result.gain.reduction)},
+                  {"ci95", {Finite(result.gain.low), Finite(result.gain.high)}}}},
+                {"unexplained", UnexplainedJson(report)},
+                {"to_settle", MeasurementsToSettle(report)},
+                {"corrections", NuisanceTermsJson(report)},
+                {"candidates", CandidatesJson(report)},
+                {"quantities", QuantitiesJson(report)},
+                {"records", RecordsJson(report.input)},
+                {"notes", result.notes},
+                {"warnings", report.input.WarningTexts()},
+                {"software", daq::Software()}};
+  if (report.power) document["power"] = PowerJson(report);
+  return document;
 }
 
 }  // namespace strainwave::bench

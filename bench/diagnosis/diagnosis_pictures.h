@@ -10,7 +10,8 @@
 namespace strainwave::bench {
 
 /// The pictures of a diagnosis, each as SVG and PNG: `measured_over_simulated`, `residual`,
-/// `residual_over_REGRESSOR` for each regressor, `order_spectrum`, and `candidates`. Long records are thinned
+/// `residual_over_REGRESSOR` for each regressor, `order_spectrum`, `candidates`, and `detection_power`
+/// where it was measured. Long records are thinned
 /// for drawing; means and spectra are those of all samples. Those of a campaign have a panel for each result,
 /// in its unit, and no spectrum.
 ///

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/diagnosis/detection_power.h"
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/sparse_formula.h"
 #include "bench/diagnosis/make_study.h"
@@ -18,7 +19,8 @@ struct DiagnosisReport {
   std::string model;  // the file that the nominal model came from; empty: the kind's own
   /// Nominal parameters before the record was seen; those without one are not there.
   std::vector<analysis::diagnosis::ParameterValue> nominal_before;
-  analysis::diagnosis::SparseFormula formula;  // only where structure has no name
+  analysis::diagnosis::SparseFormula formula;                  // only where structure has no name
+  std::optional<analysis::diagnosis::DetectionPower> power{};  // only where it was asked for
 };
 
 /// "effect_found", "no_effect" or "unnamed_structure".

@@ -225,4 +225,13 @@ Eigen::MatrixXd LoopModel::AmountColumns(const Eigen::VectorXd& x, const LoopGri
   return columns;
 }
 
+std::vector<ParameterValue> DescribeEffect(const LoopModel& model, std::size_t effect,
+                                           const Eigen::VectorXd& numbers,
+                                           const Eigen::MatrixXd& covariance) {
+  const std::span<const double> own = model.Of(effect, numbers);
+  const auto first = static_cast<Eigen::Index>(own.data() - numbers.data());
+  const auto count = static_cast<Eigen::Index>(own.size());
+  return model.effects()[effect]->Describe(own, covariance.block(first, first, count, count));
+}
+
 }  // namespace strainwave::analysis::diagnosis

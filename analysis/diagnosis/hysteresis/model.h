@@ -71,6 +71,10 @@ class LoopModel {
   std::vector<int> held_;
 };
 
+/// One effect of a model as people read it.
+std::vector<ParameterValue> DescribeEffect(const LoopModel& model, std::size_t effect,
+                                           const Eigen::VectorXd& numbers, const Eigen::MatrixXd& covariance);
+
 /// Numbers that fit best, found from `start`, within their bounds.
 struct LoopSolution {
   Eigen::VectorXd numbers;

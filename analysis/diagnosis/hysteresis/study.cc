@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/hysteresis/checks.h"
+#include "analysis/diagnosis/hysteresis/drawn_effect.h"
 #include "analysis/diagnosis/hysteresis/model.h"
 #include "analysis/diagnosis/hysteresis/quantities.h"
 #include "analysis/diagnosis/hysteresis/regressors.h"
@@ -28,19 +29,11 @@ using Eigen::Index;
 // Comparisons are made on means of a few samples where there are more than this.
 constexpr std::size_t kComparisonPoints = 2000;
 
-std::vector<ParameterValue> DescribeEffect(const LoopModel& model, std::size_t effect,
-                                           const Eigen::VectorXd& numbers,
-                                           const Eigen::MatrixXd& covariance) {
-  const std::span<const double> own = model.Of(effect, numbers);
-  const auto first = static_cast<Index>(own.data() - numbers.data());
-  const auto count = static_cast<Index>(own.size());
-  return model.effects()[effect]->Describe(own, covariance.block(first, first, count, count));
-}
-
 // Hysteresis of one or several records: twist as the response to the measured torque.
 class HysteresisStudy final : public Study {
  public:
-  explicit HysteresisStudy(std::span<const HysteresisData> data) : records_(PrepareLoopRecords(data)) {
+  explicit HysteresisStudy(std::span<const HysteresisData> data)
+      : data_(data.begin(), data.end()), records_(PrepareLoopRecords(data)) {
     AppendGearEffects(records_, effects_);
     AppendAddedEffects(records_, effects_);
     AppendNuisanceTerms(records_, effects_);
@@ -78,6 +71,13 @@ class HysteresisStudy final : public Study {
   }
   Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
                           std::span<const NamedCause> causes) const override;
+  std::unique_ptr<Study> WithResponse(std::span<const double> measured) const override {
+    return std::make_unique<HysteresisStudy>(WithAngles(data_, measured));
+  }
+  std::optional<DrawnEffect> DrawEffect(std::size_t cause, const ModelFit& beside,
+                                        std::uint64_t draw) const override {
+    return DrawLoopEffect(records_, effects_, cause, beside, draw);
+  }
 
  private:
   LoopModel ModelOf(std::span<const std::size_t> causes) const;
@@ -95,6 +95,7 @@ class HysteresisStudy final : public Study {
   Eigen::VectorXd AboutZero(Eigen::VectorXd about_centres) const;
   void TakeFromNominal();
 
+  std::vector<HysteresisData> data_;
   LoopRecords records_;
   LoopEffects effects_;
   std::vector<CauseRule> rules_;

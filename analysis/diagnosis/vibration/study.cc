@@ -8,6 +8,7 @@
 
 #include "analysis/diagnosis/records.h"
 #include "analysis/diagnosis/scans.h"
+#include "analysis/diagnosis/vibration/drawn_term.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/gear_mesh.h"
 #include "analysis/diagnosis/vibration/parameters.h"
@@ -39,6 +40,16 @@ class VibrationStudy final : public Study {
     rules_ = RulesFor(samples_);
     for (const VibrationRun& run : samples_.runs) block_length_ = std::max(block_length_, BlockOf(run));
     MakeRegressors();
+    LookAtNominal();
+  }
+  /// Of another response of the same records, in turn.
+  VibrationStudy(VibrationSamples samples, const VibrationStudy& other)
+      : samples_(std::move(samples)),
+        rules_(other.rules_),
+        parallel_(InTurn),
+        searches_(InTurn),
+        regressors_(other.regressors_),
+        block_length_(other.block_length_) {
     LookAtNominal();
   }
 
@@ -128,6 +139,21 @@ class VibrationStudy final : public Study {
                                cause.name, cause.parameters);
     }
     return predicted;
+  }
+
+  std::unique_ptr<Study> WithResponse(std::span<const double> measured) const override {
+    VibrationSamples samples = samples_;
+    if (measured.size() != samples.measured.size()) {
+      throw std::invalid_argument(fmt::format("a response of {} samples for records of {} (expected as many)",
+                                              measured.size(), samples.measured.size()));
+    }
+    samples.measured.assign(measured.begin(), measured.end());
+    return std::make_unique<VibrationStudy>(std::move(samples), *this);
+  }
+
+  std::optional<DrawnEffect> DrawEffect(std::size_t cause, const ModelFit& /*beside*/,
+                                        std::uint64_t draw) const override {
+    return DrawVibrationEffect(samples_, rules_.kinds[cause], draw);
   }
 
  private:
