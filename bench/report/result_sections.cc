@@ -117,7 +117,7 @@ ReportSection CyclesSection(const CampaignSheet& sheet) {
   section.parts.emplace_back(fmt::format(
       "± is half the width of the 95 % interval; an asterisk marks a result with a flag.{}",
       step == 1 ? std::string()
-                : fmt::format(" Every {}th of {} cycles and the last; cycles.csv of --csv has all of them.",
+                : fmt::format(" One in {} of {} cycles, and the last; cycles.csv of --csv has all of them.",
                               step, sheet.complete)));
   const std::vector<std::string> names = MainQuantities(sheet);
   std::set<std::string> flags;
@@ -162,7 +162,7 @@ ReportSection TrendsSection(const CampaignSheet& sheet, std::vector<std::string>
 
 ReportSection CurvesSection(const CampaignSheet& sheet) {
   ReportSection section{"First and last measurement", {}, true};
-  const std::string cycles = sheet.complete > 1 ? fmt::format("cycles 1 and {}", sheet.complete) : "cycle 1";
+  const std::string cycles = sheet.complete > 1 ? "the first and the last cycle" : "the first cycle";
   if (!sheet.no_pictures.empty()) {
     section.parts.emplace_back("They could not be drawn: " + sheet.no_pictures);
     return section;

@@ -110,7 +110,7 @@ std::vector<std::string> DrawTrendPanels(std::span<const CampaignSheet> sheets,
     const std::string script = data + CommonStyle() +
                                "set lmargin 10\nset rmargin 3\nset tmargin 2\nset bmargin 3\nset title "
                                "offset 0,-0.6 font ',16'\nset offsets "
-                               "0,0,graph 0.08,graph 0.08\nset key top left\n" +
+                               "0,0,graph 0.08,graph 0.08\nset key at graph 1,1 right bottom horizontal\n" +
                                fmt::format("set multiplot layout {},1\n", panels) + plots +
                                "unset multiplot\n";
     const auto stem = scratch.path() / fmt::format("trends_{}", from);
