@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddDiagnose(app, action);
   strainwave::bench::AddTable(app, action);
   strainwave::bench::AddVerify(app, action);
+  strainwave::bench::AddReport(app, action);
   strainwave::bench::AddConvert(app, action);
   strainwave::bench::AddSimulate(app, action);
   strainwave::bench::AddFeatures(app, action);
