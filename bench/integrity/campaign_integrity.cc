@@ -73,11 +73,15 @@ std::vector<FileIntegrity> FilesOf(const CampaignFolder& folder, const Expected&
   std::map<std::string, FileIntegrity> files;
   for (const auto& [path, sha256] : expected.files) files[path].state = FileState::kMissing;
   for (const auto& entry : fs::recursive_directory_iterator(folder.root)) {
-    if (!entry.is_regular_file()) continue;
+    // Beside a running campaign a file that is being written gets its name, and is gone under the one it had.
+    std::error_code gone;
+    if (!entry.is_regular_file(gone) || gone) continue;
+    const std::uintmax_t bytes = entry.file_size(gone);
+    if (gone) continue;
     const std::string path = PathIn(folder, entry.path());
     if (IsOfItsOwn(path)) continue;
     files[path].state = FileState::kUnregistered;
-    files[path].bytes = entry.file_size();
+    files[path].bytes = bytes;
   }
   std::vector<FileIntegrity> list;
   for (auto& [path, file] : files) {
