@@ -5,6 +5,27 @@
 #include <cmath>
 
 namespace strainwave::analysis::reliability {
+namespace {
+
+struct Products {
+  double xx{}, xy{}, yy{};
+};
+
+// Sums of products of x^power and y, each less its value at a point.
+Products ProductsAbout(std::span<const double> x, std::span<const double> y, double power, double at_x,
+                       double at_y) {
+  Products sums;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double dx = std::pow(x[i], power) - at_x;
+    const double dy = y[i] - at_y;
+    sums.xx += dx * dx;
+    sums.xy += dx * dy;
+    sums.yy += dy * dy;
+  }
+  return sums;
+}
+
+}  // namespace
 
 StraightFit FitPower(std::span<const double> x, std::span<const double> y, double power) {
   const auto n = static_cast<double>(x.size());
@@ -14,33 +35,14 @@ StraightFit FitPower(std::span<const double> x, std::span<const double> y, doubl
     mean_x += std::pow(x[i], power) / n;
     mean_y += y[i] / n;
   }
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double dx = std::pow(x[i], power) - mean_x;
-    const double dy = y[i] - mean_y;
-    xx += dx * dx;
-    xy += dx * dy;
-    yy += dy * dy;
-  }
+  const auto [xx, xy, yy] = ProductsAbout(x, y, power, mean_x, mean_y);
   const double slope = xy / xx;
   return {mean_y - slope * mean_x, slope, 1.0 / xx, std::max(yy - slope * xy, 0.0)};
 }
 
 double ResidualThrough(std::span<const double> x, std::span<const double> y, double power, double x_met,
                        double y_met) {
-  const double met = std::pow(x_met, power);
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double dx = std::pow(x[i], power) - met;
-    const double dy = y[i] - y_met;
-    xx += dx * dx;
-    xy += dx * dy;
-    yy += dy * dy;
-  }
+  const auto [xx, xy, yy] = ProductsAbout(x, y, power, std::pow(x_met, power), y_met);
   return std::max(yy - xy * xy / xx, 0.0);
 }
 

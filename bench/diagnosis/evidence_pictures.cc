@@ -26,7 +26,6 @@ std::filesystem::path DrawCandidates(const DiagnosisReport& report, const std::f
   constexpr std::size_t kMostShown = 24;
   constexpr std::size_t kLongestObjection = 60;
   constexpr int kWidth_px = 1200;
-  constexpr double kLetter_px = 9.0;  // of the names' font, on average
   const auto& candidates = report.result.candidates;
   const std::size_t shown = std::min(candidates.size(), kMostShown);
   const double height = 130.0 + 34.0 * static_cast<double>(std::max<std::size_t>(shown, 1));
@@ -67,11 +66,7 @@ std::filesystem::path DrawCandidates(const DiagnosisReport& report, const std::f
   }
   std::string script = CommonStyle();
   script += TitleLabel(TitleOf(report, "what speaks for each candidate"), height);
-  script += fmt::format(
-      "set lmargin at screen {:.5f}\nset rmargin at screen 0.975\nset tmargin at screen {:.5f}\nset bmargin "
-      "at screen {:.5f}\n",
-      (30.0 + kLetter_px * static_cast<double>(longest_name)) / kWidth_px, 1.0 - 56.0 / height,
-      72.0 / height);
+  script += MarginsBesideNames(longest_name, kWidth_px, height);
   // Room on the right for the words.
   script +=
       fmt::format("set xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:0.6]\nset xtics ({})\n", shortest - 0.1,

@@ -82,6 +82,15 @@ std::string TitleLabel(const std::string& title, double height_px) {
                      1.0 - 30.0 / height_px);
 }
 
+std::string MarginsBesideNames(std::size_t longest_name, int width_px, double height_px) {
+  constexpr double kLetter_px = 9.0;  // of the names' font, on average
+  return fmt::format(
+      "set lmargin at screen {:.5f}\nset rmargin at screen 0.975\nset tmargin at screen {:.5f}\nset bmargin "
+      "at screen {:.5f}\n",
+      (30.0 + kLetter_px * static_cast<double>(longest_name)) / width_px, 1.0 - 56.0 / height_px,
+      72.0 / height_px);
+}
+
 std::string Legend(const std::vector<LegendEntry>& entries, const PanelEdges& panel, double height_px,
                    double gap_px) {
   constexpr double kWidth_px = 1200.0;

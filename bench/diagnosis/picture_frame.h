@@ -54,6 +54,9 @@ PanelLayout StackPanels(std::size_t count, double panel_px, double gap_px);
 std::string PanelMargins(const PanelEdges& panel);
 std::string TitleLabel(const std::string& title, double height_px);
 
+/// Margins of one panel whose rows have names on the left, the longest of so many letters.
+std::string MarginsBesideNames(std::size_t longest_name, int width_px, double height_px);
+
 /// What is drawn in which colour, as a row of coloured words above a panel; texts that do not fit are cut.
 struct LegendEntry {
   std::string_view colour;

@@ -17,7 +17,6 @@ std::filesystem::path DrawDetectionPower(const DiagnosisReport& report, const st
   constexpr std::size_t kMostShown = 40;
   constexpr std::size_t kLongestWords = 60;
   constexpr int kWidth_px = 1200;
-  constexpr double kLetter_px = 9.0;  // of the names' font, on average
   std::vector<const diagnosis::CausePower*> order;
   for (const diagnosis::CausePower& power : report.power->causes) order.push_back(&power);
   const auto sigma_of = [](const diagnosis::CausePower* power) {
@@ -71,11 +70,7 @@ std::filesystem::path DrawDetectionPower(const DiagnosisReport& report, const st
   }
   std::string script = CommonStyle();
   script += TitleLabel(TitleOf(report, "how large an effect is found nine times of ten"), height);
-  script += fmt::format(
-      "set lmargin at screen {:.5f}\nset rmargin at screen 0.975\nset tmargin at screen {:.5f}\nset bmargin "
-      "at screen {:.5f}\n",
-      (30.0 + kLetter_px * static_cast<double>(longest_name)) / kWidth_px, 1.0 - 56.0 / height,
-      72.0 / height);
+  script += MarginsBesideNames(longest_name, kWidth_px, height);
   // Room on the right for the words.
   script += fmt::format("set logscale x\nset xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:0.6]\n", left,
                         largest * std::pow(largest / left, 1.2), -static_cast<double>(shown) + 0.4);

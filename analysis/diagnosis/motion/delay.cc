@@ -24,7 +24,7 @@ Eigen::MatrixXd MotionLater(const MotionGrid& grid, double shift_s) {
   Eigen::MatrixXd later(grid.nominal.rows(), 3);
   later.col(0) = grid.ProjectPassed(grid.Later(grid.passed_acceleration, shift_s));
   later.col(1) = grid.ProjectPassed(grid.Later(grid.velocity, shift_s));
-  later.col(2) = grid.Project(DirectionLater(grid, grid.reversal_smoothing, shift_s));
+  later.col(2) = grid.Project(DirectionLater(grid, shift_s));
   return later;
 }
 

@@ -156,7 +156,7 @@ std::vector<double> ReversalSmoothingErrors(const MotionGrid& grid, std::span<co
   std::vector<double> errors(grid.velocity.size(), 0.0);
   std::vector<double> difference(grid.velocity.size());
   for (const ReversalSmoothing& reversal_smoothing : open) {
-    const std::vector<double> signs = DirectionLater(grid, reversal_smoothing, 0.0);
+    const std::vector<double> signs = DirectionBy(reversal_smoothing, grid, 0.0);
     for (std::size_t i = 0; i < signs.size(); ++i) difference[i] = signs[i] - grid.direction[i];
     for (const MotionGrid::Segment& segment : grid.segments) {
       for (std::size_t i = segment.low_pass.reach; i + segment.low_pass.reach < segment.count; ++i) {

@@ -31,7 +31,7 @@ constexpr double kClearPresliding = 16.0;
 
 void SetReversalSmoothing(MotionGrid& grid, const ReversalSmoothing& reversal_smoothing) {
   grid.reversal_smoothing = reversal_smoothing;
-  grid.direction = DirectionLater(grid, reversal_smoothing, 0.0);
+  grid.direction = DirectionBy(reversal_smoothing, grid, 0.0);
   grid.nominal.col(2) = grid.Project(grid.direction);
 }
 
@@ -120,8 +120,14 @@ double MeanWay(const ReversalSmoothing& reversal_smoothing) {
   return way;
 }
 
-std::vector<double> DirectionLater(const MotionGrid& grid, const ReversalSmoothing& reversal_smoothing,
-                                   double shift_s) {
+std::vector<double> DirectionLater(const MotionGrid& grid, double shift_s) {
+  // What bends along the path is only moved in time: the path is gone through once, not for each shift.
+  return grid.reversal_smoothing.elements.empty() ? DirectionBy(grid.reversal_smoothing, grid, shift_s)
+                                                  : grid.Later(grid.direction, shift_s);
+}
+
+std::vector<double> DirectionBy(const ReversalSmoothing& reversal_smoothing, const MotionGrid& grid,
+                                double shift_s) {
   // Between two points a sign of velocity turns faster than points can be shifted.
   if (reversal_smoothing.elements.empty())
     return reversal_smoothing.SignsOf(shift_s == 0.0 ? grid.velocity : grid.Later(grid.velocity, shift_s));
@@ -167,7 +173,7 @@ std::vector<ReversalSmoothing> ChooseReversalSmoothing(MotionGrid& grid, const E
   const Eigen::VectorXd rest = measured - basis * (basis.transpose() * measured);
   const auto left_by = [&](const ReversalSmoothing& reversal_smoothing) {
     const Eigen::VectorXd column =
-        grid.Weighted(grid.Project(DirectionLater(grid, reversal_smoothing, delay_s)));
+        grid.Weighted(grid.Project(DirectionBy(reversal_smoothing, grid, delay_s)));
     const Eigen::VectorXd beside = column - basis * (basis.transpose() * column);
     const double along = beside.dot(rest);
     return rest.squaredNorm() - along * along / std::max(beside.squaredNorm(), 1e-300);

@@ -46,8 +46,12 @@ double MeanWay(const ReversalSmoothing& reversal_smoothing);
 std::vector<ReversalSmoothing> ChooseReversalSmoothing(MotionGrid& grid, const Eigen::VectorXd& torque,
                                                        double delay_s);
 
-/// Share of the Coulomb friction that acts at each point of the grid, −1 to 1; a time later.
-std::vector<double> DirectionLater(const MotionGrid& grid, const ReversalSmoothing& reversal_smoothing,
-                                   double shift_s);
+/// Share of the Coulomb friction that acts at each point of the grid, −1 to 1, by a reversal smoothing; a
+/// time later.
+std::vector<double> DirectionBy(const ReversalSmoothing& reversal_smoothing, const MotionGrid& grid,
+                                double shift_s);
+
+/// The same by the grid's own.
+std::vector<double> DirectionLater(const MotionGrid& grid, double shift_s);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -22,9 +22,7 @@ Eigen::VectorXd SpreadOfReversals(const MotionGrid& grid) {
   const double shift_s = kUnknownReversal * grid.segments.front().step_s;
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(grid.nominal.rows());
   for (const double by_s : {-shift_s, shift_s})
-    squares += (grid.Project(DirectionLater(grid, grid.reversal_smoothing, by_s)) - grid.nominal.col(2))
-                   .array()
-                   .square();
+    squares += (grid.Project(DirectionLater(grid, by_s)) - grid.nominal.col(2)).array().square();
   return (0.5 * squares).sqrt().matrix();
 }
 

@@ -42,7 +42,7 @@ std::vector<double> StrongestOrders(const MotionGrid& grid) {
 
 Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid, std::span<const double> orders, double shift_s) {
   const PathPoints path = PathLater(grid, shift_s);
-  const std::vector<double> direction = DirectionLater(grid, grid.reversal_smoothing, shift_s);
+  const std::vector<double> direction = DirectionLater(grid, shift_s);
   const Eigen::MatrixXd usual = UsualEffects(grid, path);
   const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
   Eigen::MatrixXd columns(grid.nominal.rows(), usual.cols() + 2 + 2 * static_cast<Index>(orders.size()));
