@@ -91,6 +91,7 @@ class Broker(monitor_fixture.MonitorTest):
         until(lambda: "scada: what is heard on STATE/scada is no state of a host; nothing is sent" in monitor.said())
         host.publish("STATE/scada", b"OFFLINE", retain=True)
         until(lambda: "scada: it says on STATE/scada that it is offline; nothing is sent" in monitor.said())
+        until(lambda: monitor.results())  # a window that waits
         monitor.send_signal(signal.SIGINT)
         self.assertEqual(monitor.wait(20), 130)
         self.assertRegex(monitor.said().splitlines()[-1],
