@@ -7,9 +7,7 @@
 
 #include <fmt/format.h>
 #include <Eigen/LU>
-#include <boost/math/distributions/fisher_f.hpp>
 
-#include "analysis/arguments.h"
 #include "analysis/reliability/straight_fit.h"
 
 namespace strainwave::analysis::reliability {
@@ -17,11 +15,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr std::size_t kFewestPoints = 8;
 constexpr std::size_t kMostPoints = 80;
 constexpr double kSmallestPower = 0.3;
 constexpr double kLargestPower = 4.0;
-constexpr double kMostTimesLonger = 1e4;  // times the cycles so far
 
 template <class Value>
 double SmallestPower(Value value) {
@@ -121,80 +117,7 @@ class Population {
   std::vector<DegradationPath> paths_;
 };
 
-void RequirePath(const DegradationPath& path) {
-  RequireSameLength("cycle", path.cycle, "way", path.way);
-  RequireAtLeast("cycle", path.cycle, kFewestPoints);
-  RequireFinite("cycle", path.cycle);
-  RequireFinite("way", path.way);
-}
-
 }  // namespace
-
-DegradationPath Binned(const DegradationPath& path, std::size_t most) {
-  if (path.cycle.size() <= most) return path;
-  DegradationPath binned;
-  for (std::size_t k = 0; k < most; ++k) {
-    const std::size_t begin = k * path.cycle.size() / most;
-    const std::size_t end = (k + 1) * path.cycle.size() / most;
-    double cycle = 0.0;
-    double way = 0.0;
-    for (std::size_t i = begin; i < end; ++i) {
-      cycle += path.cycle[i];
-      way += path.way[i];
-    }
-    binned.cycle.push_back(cycle / static_cast<double>(end - begin));
-    binned.way.push_back(way / static_cast<double>(end - begin));
-  }
-  return binned;
-}
-
-LimitForecast ForecastLimit(const DegradationPath& path, double level) {
-  RequirePath(path);
-  DegradationPath points = Binned(path, kMostPoints);
-  const double last = path.cycle.back();
-  for (double& cycle : points.cycle) cycle /= last;
-  const double power =
-      SmallestPower([&](double k) { return FitPower(points.cycle, points.way, k).residual_sum; });
-  const StraightFit fit = FitPower(points.cycle, points.way, power);
-  const double n = EffectiveCount(points.cycle, points.way, power);
-  const double freedom = std::max(n - 3.0, 1.0);
-  // Per effective point: the residual sum stands for n_eff, not for n.
-  const double scale = n / static_cast<double>(points.cycle.size());
-  const double variance = scale * fit.residual_sum / freedom;
-  const double critical = boost::math::quantile(boost::math::fisher_f(1.0, freedom), level);
-  const auto drop = [&](double met) {
-    const auto residual = [&](double k) { return ResidualThrough(points.cycle, points.way, k, met, 1.0); };
-    return scale * (residual(SmallestPower(residual)) - fit.residual_sum) / std::max(variance, 1e-300);
-  };
-  LimitForecast forecast;
-  // A limit that is never met is a path that stays level.
-  double level_sum = 0.0;
-  double mean = 0.0;
-  for (const double way : points.way) mean += way / static_cast<double>(points.way.size());
-  for (const double way : points.way) level_sum += (way - mean) * (way - mean);
-  const bool rises =
-      fit.slope > 0.0 && scale * (level_sum - fit.residual_sum) / std::max(variance, 1e-300) > critical;
-  if (!rises) return forecast;
-  const double met = std::pow(std::max((1.0 - fit.intercept) / fit.slope, 0.0), 1.0 / power);
-  if (!(met < kMostTimesLonger)) return forecast;
-  forecast.is_approached = true;
-  forecast.power = power;
-  forecast.cycle = last * std::max(met, 1.0);
-  const auto end_of = [&](double inside, double outside) {
-    for (int i = 0; i < 40; ++i) {
-      const double middle = std::sqrt(inside * outside);
-      (drop(middle) < critical ? inside : outside) = middle;
-    }
-    return last * std::sqrt(inside * outside);
-  };
-  const double at = std::max(met, 1.0);
-  forecast.interval.low = at <= 1.0 || drop(1.0) < critical ? last : end_of(at, 1.0);
-  double outside = at;
-  do outside *= 1.3;
-  while (outside < kMostTimesLonger && drop(outside) < critical);
-  forecast.interval.high = outside < kMostTimesLonger ? end_of(outside / 1.3, outside) : kNever;
-  return forecast;
-}
 
 DegradationLife LifeFromDegradation(std::span<const DegradationPath> paths,
                                     const std::vector<double>& shares_failed, double level) {

@@ -4,34 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "analysis/reliability/degradation_path.h"
 #include "analysis/reliability/weibull_fit.h"
 
 namespace strainwave::analysis::reliability {
-
-/// How far one unit has come to its limit: 0 at its start, 1 at the limit; over cycles above zero, in order.
-struct DegradationPath {
-  std::vector<double> cycle;
-  std::vector<double> way;
-};
-
-/// By straight averages of neighbours to at most that many points.
-DegradationPath Binned(const DegradationPath& path, std::size_t most);
-
-/// When one unit comes to its limit, from way = a + b cycle^κ + noise, with κ from 0.3 to 4.
-struct LimitForecast {
-  bool
-      is_approached{};  // false: no trend towards the limit that noise would not explain; nothing else is set
-  double cycle{};
-  Interval interval;  // high ∞: the limit may never be met
-  double power{};     // κ
-};
-
-/// Interval by the profile of the residual sum over the cycle of meeting, where
-/// way − 1 = b (cycle^κ − cycle_met^κ), against F(1, n_eff − 3); n_eff counts fewer where residuals repeat
-/// each other (by their lag-1 autocorrelation).
-/// @param level  of the two-sided interval. Never before the last cycle: the limit is not met yet.
-/// @throws std::invalid_argument for fewer than 8 points, or columns of different lengths.
-LimitForecast ForecastLimit(const DegradationPath& path, double level);
 
 /// Life of a population from paths to the limit, met or not.
 struct DegradationLife {

@@ -40,25 +40,4 @@ StraightFit FitPower(std::span<const double> x, std::span<const double> y, doubl
   return {mean_y - slope * mean_x, slope, 1.0 / xx, std::max(yy - slope * xy, 0.0)};
 }
 
-double ResidualThrough(std::span<const double> x, std::span<const double> y, double power, double x_met,
-                       double y_met) {
-  const auto [xx, xy, yy] = ProductsAbout(x, y, power, std::pow(x_met, power), y_met);
-  return std::max(yy - xy * xy / xx, 0.0);
-}
-
-double EffectiveCount(std::span<const double> x, std::span<const double> y, double power) {
-  const StraightFit fit = FitPower(x, y, power);
-  double before = 0.0;
-  double products = 0.0;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double residual = y[i] - fit.intercept - fit.slope * std::pow(x[i], power);
-    products += i > 0 ? before * residual : 0.0;
-    squares += residual * residual;
-    before = residual;
-  }
-  const double r = squares > 0.0 ? std::clamp(products / squares, 0.0, 0.95) : 0.0;
-  return static_cast<double>(x.size()) * (1.0 - r) / (1.0 + r);
-}
-
 }  // namespace strainwave::analysis::reliability

@@ -17,55 +17,7 @@ namespace {
 
 namespace reliability = analysis::reliability;
 
-constexpr std::size_t kFewestCycles = 8;
-constexpr std::size_t kFirstCycles = 5;
 constexpr std::size_t kTrendSteps = 20;
-
-struct Series {
-  std::vector<double> cycle;
-  std::vector<double> value;
-};
-
-std::map<std::string, Series> SeriesOf(const Journal& journal) {
-  std::map<std::string, Series> all;
-  journal.ForEachResult("", [&](const CycleResult& row) {
-    if (row.cycle < 1 || !row.result.flag.empty() || !std::isfinite(row.result.value)) return true;
-    Series& series = all[row.result.quantity];
-    // Measured again: the last one counts.
-    if (!series.cycle.empty() && series.cycle.back() == row.cycle) {
-      series.value.back() = row.result.value;
-      return true;
-    }
-    series.cycle.push_back(row.cycle);
-    series.value.push_back(row.result.value);
-    return true;
-  });
-  return all;
-}
-
-double MeanOf(std::span<const double> values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-CampaignLimit LimitOf(const std::string& quantity, const Series& series, double limit, double level) {
-  CampaignLimit of{quantity,
-                   MeanOf(std::span(series.value).first(std::min(kFirstCycles, series.value.size()))),
-                   series.value.back(),
-                   limit,
-                   {},
-                   {},
-                   {}};
-  for (std::size_t i = 0; i < series.value.size(); ++i) {
-    const double way = (series.value[i] - of.first) / (limit - of.first);
-    of.path.cycle.push_back(series.cycle[i]);
-    of.path.way.push_back(way);
-    if (way >= 1.0 && !of.met_at) of.met_at = static_cast<int>(series.cycle[i]);
-  }
-  if (!of.met_at) of.forecast = reliability::ForecastLimit(of.path, level);
-  return of;
-}
 
 // What two campaigns must have alike: all but who is tested, the name and how many cycles.
 std::string Comparable(const std::string& schedule) {
@@ -96,23 +48,22 @@ ReadCampaign ReadOne(const std::string& path, const LifeSettings& settings, cons
   const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   ReadCampaign one{{path, inputs.schedule.specimen.identity, journal.LastCompleteCycle(), {}, {}},
                    Comparable(inputs.schedule_text)};
-  const std::map<std::string, Series> all = SeriesOf(journal);
+  const std::map<std::string, ResultSeries> all = ResultSeriesOf(journal);
   const std::optional<double> first_k2 = FirstK2_Nm_per_rad(journal);
-  if (one.life.cycles < static_cast<int>(kFewestCycles))
+  if (one.life.cycles < static_cast<int>(kFewestCyclesOfTrend))
     Refuse(path, fmt::format("has {} complete cycles", std::max(one.life.cycles, 0)),
-           fmt::format("{} at least, for a trend", kFewestCycles));
+           fmt::format("{} at least, for a trend", kFewestCyclesOfTrend));
   for (const auto& [name, share] : shares) {
     if (!all.contains(name))
       Refuse(path, fmt::format("has no results of {}", name),
              "a quantity of it; strainwave table lists them");
   }
   for (const auto& [name, series] : all) {
-    if (series.value.size() < kFewestCycles) continue;
+    if (series.value.size() < kFewestCyclesOfTrend) continue;
     one.life.trends[name] = reliability::Binned({series.cycle, series.value}, kTrendSteps).way;
     std::optional<double> limit;
     if (const auto stop = StopLimitOf(inputs.schedule.stop, first_k2, name)) limit = stop->limit;
-    if (const auto share = shares.find(name); share != shares.end())
-      limit = share->second * MeanOf(std::span(series.value).first(kFirstCycles));
+    if (const auto share = shares.find(name); share != shares.end()) limit = share->second * series.AtFirst();
     if (limit) one.life.limits.push_back(LimitOf(name, series, *limit, settings.level));
   }
   return one;

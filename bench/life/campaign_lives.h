@@ -11,22 +11,13 @@
 
 #include "analysis/reliability/degradation.h"
 #include "analysis/reliability/prognostic_features.h"
+#include "bench/life/stop_forecasts.h"
 #include "bench/life/times_report.h"
 
 namespace strainwave::bench {
 
 /// A limit of a quantity as a share of its first values, beside the schedule's stop criteria.
 using LimitShares = std::map<std::string, double>;
-
-struct CampaignLimit {
-  std::string quantity;
-  double first{};  // mean of the first cycles
-  double last{};   // of the last
-  double limit{};
-  std::optional<int> met_at;  // cycle
-  analysis::reliability::DegradationPath path;
-  analysis::reliability::LimitForecast forecast;  // where the limit is not met yet
-};
 
 struct CampaignLife {
   std::string folder;

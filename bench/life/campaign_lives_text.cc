@@ -41,10 +41,9 @@ ordered_json LimitJson(const CampaignLimit& limit) {
   json["met_at_cycle"] = limit.met_at ? ordered_json(*limit.met_at) : ordered_json(nullptr);
   json["approached"] = limit.met_at || limit.forecast.is_approached;
   if (!limit.forecast.is_approached) return json;
-  json["forecast"] = {{"cycle", limit.forecast.cycle},
+  json["forecast"] = {{"cycle", KnownJson(limit.forecast.cycle)},
                       {"low", KnownJson(limit.forecast.interval.low)},
-                      {"high", KnownJson(limit.forecast.interval.high)},
-                      {"power", limit.forecast.power}};
+                      {"high", KnownJson(limit.forecast.interval.high)}};
   return json;
 }
 

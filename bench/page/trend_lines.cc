@@ -2,10 +2,12 @@
 #include "bench/page/trend_lines.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/quality.h"
+#include "bench/life/stop_forecasts.h"
 
 namespace strainwave::bench {
 namespace {
@@ -56,7 +58,7 @@ nlohmann::json TrendLinesJson(const Journal& journal, const schedules::StopCrite
   const auto first_k2 = stop.k2_below_share_of_first ? FirstK2_Nm_per_rad(journal) : std::nullopt;
   json lines = json::object();
   for (const std::string& quantity : quantities) {
-    json& line = lines[quantity] = {{"stop", nullptr}, {"control", nullptr}};
+    json& line = lines[quantity] = {{"stop", nullptr}, {"forecast", nullptr}, {"control", nullptr}};
     if (const auto limit = StopLimitOf(stop, first_k2, quantity)) {
       line["stop"] = {{limit->is_lower ? "below" : "above", limit->limit}};
     }
@@ -65,6 +67,15 @@ nlohmann::json TrendLinesJson(const Journal& journal, const schedules::StopCrite
     const auto& [limits, first_cycle, last_cycle, cycles] = baseline->second;
     line["control"] = {{"lower", limits.lower},      {"centre", limits.centre},  {"upper", limits.upper},
                        {"first_cycle", first_cycle}, {"last_cycle", last_cycle}, {"cycles", cycles}};
+  }
+  constexpr double kLevel = 0.95;
+  const auto number = [](double cycle) { return std::isfinite(cycle) ? json(cycle) : json(); };
+  for (const CampaignLimit& limit : StopForecasts(journal, stop, quantities, kLevel)) {
+    if (!limit.forecast.is_approached) continue;
+    lines[limit.quantity]["forecast"] = {{"cycle", number(limit.forecast.cycle)},
+                                         {"low", number(limit.forecast.interval.low)},
+                                         {"high", number(limit.forecast.interval.high)},
+                                         {"level", kLevel}};
   }
   return lines;
 }

@@ -29,8 +29,9 @@ inline constexpr int kFewestBaselineCycles = 10;
 std::map<std::string, BaselineLimits> BaselineLimitsOf(const Journal& journal,
                                                        std::span<const std::string> quantities);
 
-/// What a trend is held against, by quantity: `stop` ({"below": …} or {"above": …}) and `control` (lower,
-/// centre, upper, first_cycle, last_cycle, cycles), each null where there is none. @throws DatabaseError.
+/// What a trend is held against, by quantity: `stop` ({"below": …} or {"above": …}), `forecast` of when that
+/// is met (cycle, low, high, level; null cycles: perhaps never) and `control` (lower, centre, upper,
+/// first_cycle, last_cycle, cycles), each null where there is none. @throws DatabaseError.
 nlohmann::json TrendLinesJson(const Journal& journal, const schedules::StopCriteria& stop,
                               std::span<const std::string> quantities);
 

@@ -27,45 +27,6 @@ DegradationPath PathTo(double met, int cycles, double noise, std::mt19937& rando
   return path;
 }
 
-TEST(ForecastLimit, IsExactWithoutNoise) {
-  std::mt19937 random(1);
-  const LimitForecast forecast = ForecastLimit(PathTo(1000.0, 300, 1e-9, random), 0.9);
-  ASSERT_TRUE(forecast.is_approached);
-  EXPECT_NEAR(forecast.cycle, 1000.0, 0.1);
-  EXPECT_NEAR(forecast.power, kPower, 1e-4);
-}
-
-// Of 40 lives seen to 60 %, about 36 lie in their intervals: three standard errors are 6.
-TEST(ForecastLimit, CoversWhatItSays) {
-  std::mt19937 random(2);
-  int held = 0;
-  constexpr int kLives = 40;
-  for (int i = 0; i < kLives; ++i) {
-    const LimitForecast forecast = ForecastLimit(PathTo(100.0, 60, 0.02, random), 0.9);
-    ASSERT_TRUE(forecast.is_approached);
-    EXPECT_GE(forecast.interval.low, 60.0);
-    held += forecast.interval.low <= 100.0 && 100.0 <= forecast.interval.high;
-  }
-  EXPECT_NEAR(held, 36.0, 6.0);
-}
-
-TEST(ForecastLimit, IsNoneWhereTheLimitIsNotApproached) {
-  std::mt19937 random(3);
-  DegradationPath level = PathTo(1e12, 100, 0.01, random);
-  EXPECT_FALSE(ForecastLimit(level, 0.9).is_approached);
-  for (std::size_t i = 0; i < level.way.size(); ++i) level.way[i] -= 0.001 * static_cast<double>(i);
-  EXPECT_FALSE(ForecastLimit(level, 0.9).is_approached);
-}
-
-TEST(ForecastLimit, AsksForEightPoints) {
-  try {
-    ForecastLimit({{1, 2}, {0, 0.1}}, 0.9);
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "cycle has 2 values (expected at least 8)");
-  }
-}
-
 // Lives are lognormal about 1000 cycles with a known spread, half of them seen: B10 and B50 come back.
 TEST(LifeFromDegradation, RecoversALognormalPopulation) {
   std::mt19937 random(4);

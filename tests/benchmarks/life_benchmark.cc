@@ -2,6 +2,7 @@
 // How often 90 % intervals of a Weibull law hold the truth, at few failures, with Fisher's, likelihood-ratio
 // and standardised bounds; and how long a fit of many units with all its bounds takes.
 //   life_benchmark coverage [SAMPLES]
+//   life_benchmark forecast [LIVES]   when simulated units meet their limit, seen to shares of their lives
 //   life_benchmark fit TIMES    one line a unit: TIME STATUS, status 1 for a failure
 #include <chrono>
 #include <cmath>
@@ -13,7 +14,10 @@
 #include <vector>
 
 #include "analysis/reliability/few_failures.h"
+#include "analysis/reliability/limit_forecast.h"
 #include "analysis/reliability/weibull_fit.h"
+#include "tests/analysis/simulated_lives.h"
+#include "tests/analysis/straight_line_forecast.h"
 
 namespace {
 
@@ -93,6 +97,50 @@ int Coverage(int samples) {
   return 0;
 }
 
+// One law, seen to one share: coverage, median width as a ratio of ends, that of a straight line's interval
+// that holds as many, α–λ accuracy (within 20 % of what is left), and the median of |ln(forecast/life)|.
+void ForecastRow(LifeLaw law, double share, int lives) {
+  constexpr double kAlpha = 0.2;
+  std::mt19937_64 random(7);
+  int held = 0, early = 0, accurate = 0, none = 0;
+  std::vector<double> widths, errors, errors_of_lines;
+  for (int i = 0; i < lives; ++i) {
+    const SimulatedLife life = DrawLife(law, random);
+    const DegradationPath seen = SeenTo(life, share);
+    const LimitForecast forecast = ForecastLimit(seen, 0.9);
+    if (!forecast.is_approached) {
+      ++none;
+      continue;
+    }
+    held += forecast.interval.low <= life.met && life.met <= forecast.interval.high;
+    early += life.met < forecast.interval.low;
+    accurate += std::abs(forecast.cycle - life.met) <= kAlpha * (1.0 - share) * life.met;
+    widths.push_back(std::log(forecast.interval.high / forecast.interval.low));
+    errors.push_back(std::abs(std::log(forecast.cycle / life.met)));
+    errors_of_lines.push_back(std::abs(std::log(StraightLineForecast(seen) / life.met)));
+  }
+  const auto at = [](std::vector<double>& values, std::size_t place) {
+    std::sort(values.begin(), values.end());
+    return values[std::min(place, values.size() - 1)];
+  };
+  const auto n = static_cast<double>(widths.size());
+  const auto last_held = static_cast<std::size_t>(std::max(held - 1, 0));
+  std::printf("%-30s %4.0f %6.1f %7.1f %8.2f %8.2f %7.1f %8.3f %8.3f %5d\n", NameOf(law), 100.0 * share,
+              100.0 * held / n, 100.0 * early / n, std::exp(at(widths, widths.size() / 2)),
+              std::exp(2.0 * at(errors_of_lines, last_held)), 100.0 * accurate / n,
+              at(errors, errors.size() / 2), at(errors_of_lines, errors_of_lines.size() / 2), none);
+}
+
+int Forecasts(int lives) {
+  std::printf("90 %% intervals of %d lives a row\n%-30s %4s %6s %7s %8s %8s %7s %8s %8s %5s\n", lives, "law",
+              "at %", "held %", "early %", "width", "by line", "a-l %", "error", "by line", "none");
+  for (const double share : {0.3, 0.5, 0.6, 0.7, 0.8, 0.9}) {
+    for (const LifeLaw law : kFiguresOnly) ForecastRow(law, share, lives);
+    for (const LifeLaw law : kChosenOn) ForecastRow(law, share, lives);
+  }
+  return 0;
+}
+
 int Fit(const char* file) {
   std::ifstream in(file);
   std::vector<Lifetime> lives;
@@ -116,7 +164,8 @@ int Fit(const char* file) {
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "coverage") return Coverage(argc > 2 ? std::atoi(argv[2]) : 10000);
+  if (what == "forecast") return Forecasts(argc > 2 ? std::atoi(argv[2]) : 200);
   if (what == "fit" && argc > 2) return Fit(argv[2]);
-  std::fputs("life_benchmark coverage [SAMPLES] | fit TIMES\n", stderr);
+  std::fputs("life_benchmark coverage [SAMPLES] | forecast [LIVES] | fit TIMES\n", stderr);
   return 2;
 }

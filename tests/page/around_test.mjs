@@ -9,7 +9,7 @@ import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {quantityName} from '../../bench/page/web/format.mjs';
-import {rangeWith} from '../../bench/page/web/lines.mjs';
+import {linesOf, rangeWith} from '../../bench/page/web/lines.mjs';
 import {launch, PATIENCE_MS, Scratch, until} from './browser.mjs';
 
 const [program, modules] = process.argv.slice(2);
@@ -63,6 +63,13 @@ async function open(context, address, complaints) {
 const asked = (tab, path) => tab.evaluate(where => fetch(where).then(answer => answer.json()), path);
 
 try {
+  await check('a forecast of a stop criterion is said in words, the end of an interval that has none too', () => {
+    const stop = {below: 90}, control = null;
+    const [, forecast] = linesOf({stop, forecast: {cycle: 101.4, low: 95, high: null, level: 0.95}, control});
+    assert.deepEqual(forecast, {kind: 'forecast', at: [], words: 'forecast of that: cycle 101 (95 to never, 95 %)'});
+    assert.equal(linesOf({stop, forecast: null, control}).length, 1);
+  });
+
   await check('a line far away does not press the values together, until it is asked for', () => {
     const lines = [{at: [1.1]}, {at: [9]}];
     const [low, high] = rangeWith(0, 1, lines, false);

@@ -5,12 +5,19 @@ import {number} from './format.mjs';
 // A line that would make the picture more than so many times as high is left outside, unless it is asked for.
 const MOST_STRETCH = 4;
 
+const cycleWords = cycle => cycle === null ? 'never' : String(Math.round(cycle));
+
 /// What a trend is held against, in words, with where each line is drawn.
-export function linesOf({stop, control}) {
+export function linesOf({stop, forecast, control}) {
   const lines = [];
   if (stop) {
     const way = 'below' in stop ? 'below' : 'above';
     lines.push({kind: 'stop', at: [stop[way]], words: `the campaign ends ${way} ${number(stop[way], 5)}`});
+  }
+  if (forecast) {
+    const {cycle, low, high, level} = forecast;
+    lines.push({kind: 'forecast', at: [],
+      words: `forecast of that: cycle ${cycleWords(cycle)} (${cycleWords(low)} to ${cycleWords(high)}, ${100 * level} %)`});
   }
   if (control) {
     lines.push({kind: 'control', at: [control.lower, control.upper], centre: control.centre,

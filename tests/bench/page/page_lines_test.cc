@@ -79,5 +79,28 @@ TEST(TrendLines, SayWhereTheScheduleEndsTheCampaign) {
   EXPECT_TRUE(TrendLinesJson(journal, {}, asked)[kK2]["stop"].is_null());
 }
 
+// By hand: 100 at first and 0.1 less each cycle, so that 90 % of the first value, of cycle 1, is met at cycle 101.
+TEST(TrendLines, ForecastWhenTheScheduleEndsTheCampaign) {
+  const daq::ScratchFolder scratch;
+  Journal journal = Journal::Create(scratch.path() / "campaign.db");
+  for (int cycle = 0; cycle <= 60; ++cycle) {
+    journal.BeginCycle(cycle, cycle);
+    const double wobble = cycle % 2 == 0 ? 0.02 : -0.02;
+    journal.AddResults(cycle, 0, {{kK2, 100.0 - 0.1 * cycle + wobble, 0.1, ""}});
+    journal.EndCycle(cycle, cycle + 1.0, "complete");
+  }
+  schedules::StopCriteria stop;
+  stop.k2_below_share_of_first = 0.9;
+  const std::vector<std::string> asked{kK2, kEMax};
+  const auto lines = TrendLinesJson(journal, stop, asked);
+  const auto& forecast = lines[kK2]["forecast"];
+  EXPECT_NEAR(forecast["cycle"].get<double>(), 101.0, 10.0);
+  EXPECT_LT(forecast["low"].get<double>(), 101.0);
+  EXPECT_GT(forecast["high"].get<double>(), 101.0);
+  EXPECT_EQ(forecast["level"], 0.95);
+  EXPECT_TRUE(lines[kEMax]["forecast"].is_null());
+  EXPECT_TRUE(TrendLinesJson(journal, {}, asked)[kK2]["forecast"].is_null());
+}
+
 }  // namespace
 }  // namespace strainwave::bench::page_lines_test
