@@ -39,17 +39,23 @@ double RepeatsByChance(std::span<const double> values, std::size_t runs) {
   return 0.2 * static_cast<double>(changes.size()) * Median(std::move(gaps)) / (2.0 * *fifth);
 }
 
-// Of the white part, from fourth differences, which motion hardly enters, without those where the signal
-// stands.
+// Of the white part, without those where the signal stands: from fourth differences, which motion hardly
+// enters, and from second ones, of which a ramp of a few rows has some beside its corners.
 double NoiseWhereItMoves(std::span<const double> values) {
-  std::vector<double> differences;
+  std::vector<double> fourth;
   for (std::size_t i = 2; i + 2 < values.size(); ++i) {
     if (values[i] != values[i - 1] || values[i + 1] != values[i]) {
-      differences.push_back(values[i - 2] - 4.0 * values[i - 1] + 6.0 * values[i] - 4.0 * values[i + 1] +
-                            values[i + 2]);
+      fourth.push_back(values[i - 2] - 4.0 * values[i - 1] + 6.0 * values[i] - 4.0 * values[i + 1] +
+                       values[i + 2]);
     }
   }
-  return RobustStandardDeviation(differences) / std::sqrt(70.0);
+  std::vector<double> second;
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    if (values[i] != values[i - 1] && values[i + 1] != values[i])
+      second.push_back(values[i - 1] - 2.0 * values[i] + values[i + 1]);
+  }
+  return std::min(RobustStandardDeviation(fourth) / std::sqrt(70.0),
+                  RobustStandardDeviation(second) / std::sqrt(6.0));
 }
 
 // Whether a value was left, or come to, by a jump as nothing else in the signal makes one: it went on

@@ -256,6 +256,40 @@ TEST(LookAtSamples, DoesNotTakeAnEvenRampForSteps) {
   EXPECT_EQ(Looked(record), std::vector<std::string>{});
 }
 
+// A commanded load without noise, in ramps of five rows and rests of nine, whose corners fall between rows.
+TEST(LookAtSamples, LetsALoadRestOnItsStairs) {
+  std::vector<double> time_s, torque_Nm, angle_deg;
+  std::mt19937 random(5);
+  const std::vector<double> levels{0.0, 7.0, 14.0, 20.4, 27.2, 34.0};
+  std::vector<double> stairs{levels.begin(), levels.end()};
+  for (const double sign : {-1.0, 1.0}) {
+    for (std::size_t k = 0; k + 1 < 2 * levels.size(); ++k) {
+      const double level = levels[k < levels.size() ? levels.size() - 1 - k : k - levels.size() + 1];
+      stairs.push_back(k < levels.size() ? -sign * level : sign * level);
+    }
+  }
+  constexpr double kRow = 1.27;  // Nm
+  double torque = 0.0;
+  for (const double level : stairs) {
+    while (std::abs(level - torque) > 0.05) {
+      torque += std::clamp(level - torque, -kRow, kRow);
+      torque_Nm.push_back(std::round(1e5 * torque) / 1e5);
+    }
+    torque_Nm.insert(torque_Nm.end(), 9, torque_Nm.empty() ? 0.0 : torque_Nm.back());
+  }
+  for (const double value : torque_Nm) {
+    time_s.push_back(0.04 * static_cast<double>(time_s.size()));
+    angle_deg.push_back(0.0018 * value + Noise(random, 1e-4));
+  }
+  Record record;
+  record.kind = daq::RecordKind::kHysteresis;
+  AddColumn(record, "time_s", time_s);
+  AddColumn(record, "torque_Nm", torque_Nm);
+  AddColumn(record, "output_angle_deg", angle_deg);
+  EXPECT_EQ(Looked(record), std::vector<std::string>{});
+  EXPECT_EQ(record.rows(), time_s.size());
+}
+
 TEST(LookAtSamples, RefusesARateThatContradictsTheTime) {
   Record record = Vibration();
   record.SetMetadata("sample_rate_hz", 48000.0);
