@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "analysis/diagnosis/selection.h"
 
@@ -35,6 +37,13 @@ double LeadAsked(double explained, const Comparison& description, const Comparis
 /// @param without  the model without the cause.
 bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
               const ScoredModel& without, std::size_t cause);
+
+/// Whether another cause of a model that departs from its formula (law_departure.h) explains about as much as
+/// this one does beside it: then that, in words.
+/// @param without  the model without the cause.
+std::optional<std::string> DepartureInstead(const Judge& judge, std::span<const std::size_t> given,
+                                            const ScoredModel& model, const ScoredModel& without,
+                                            std::size_t cause);
 
 /// False where a cause's parameter is outside of its range: what would do then in the place of a cause that
 /// the fit lacks is no explanation, and does not make that one needless.

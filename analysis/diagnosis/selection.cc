@@ -77,6 +77,11 @@ const Candidate* ChooseNext(const Judge& judge, std::span<const std::size_t> giv
            IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
         result.passed = false;
         result.objection = "too small beside what was found already to be told from a misfit of its formula";
+      } else if (result.passed) {
+        if (auto departure = DepartureInstead(judge, given, candidate.model, model, candidate.cause)) {
+          result.passed = false;
+          result.objection = std::move(*departure);
+        }
       }
       if (result.passed) chosen = &candidate;
     } else if (LooksPossible(judge, candidate, error)) {

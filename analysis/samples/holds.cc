@@ -117,16 +117,46 @@ Ends EndsOf(std::span<const double> values) {
   return {low, high};
 }
 
+// A command in stairs: it rests at many levels, for much of the time, so that nothing is told of its noise by
+// how it goes from one to the next.
+bool RestsOnStairs(std::span<const double> values) {
+  constexpr std::size_t kFewestRows = 4;
+  constexpr std::size_t kFewestLevels = 8;
+  constexpr double kLeastShare = 0.3;
+  std::set<double> levels;
+  std::size_t rows = 0;
+  for (const Run& rest : StandingSegments(values, kFewestRows)) {
+    levels.insert(values[rest.first]);
+    rows += rest.count;
+  }
+  return levels.size() >= kFewestLevels &&
+         static_cast<double>(rows) >= kLeastShare * static_cast<double>(values.size());
+}
+
 // Chance that the signal's own noise gives a value once more, to the last digit; nothing where it has no
 // noise that is seen.
 std::optional<double> ChanceOfRepeat(std::span<const double> values) {
   constexpr double kVisibleNoise = 2.0;  // steps: less, and a value often comes again
-  if (values.size() < 16) return std::nullopt;
+  if (values.size() < 16 || RestsOnStairs(values)) return std::nullopt;
   const double step = ResolutionOf(values);
   const double noise = NoiseWhereItMoves(values);
   if (!(noise > kVisibleNoise * step)) return std::nullopt;
   // Two neighbours' difference is normal with √2 of the deviation; half of the step to either side is none.
   return step / (2.0 * std::sqrt(kPi) * noise);
+}
+
+// Whether a signal stands as long between its ends as at them: it is held, and its range does not end there.
+bool RestsElsewhere(std::span<const double> values, const std::vector<Run>& runs) {
+  constexpr std::size_t kFewestRows = 8;
+  const Ends ends = EndsOf(values);
+  std::size_t at_ends = 0;
+  std::size_t between = 0;
+  for (const Run& run : runs) {
+    const bool end = values[run.first] == ends.low || values[run.first] == ends.high;
+    std::size_t& longest = end ? at_ends : between;
+    longest = std::max(longest, run.count);
+  }
+  return between >= kFewestRows && 2 * between >= at_ends;
 }
 
 constexpr double kNever = 1e-9;  // chance in a whole record
@@ -205,6 +235,7 @@ std::vector<Saturated> FindSaturated(std::span<const double> values) {
   const std::optional<double> repeat = ChanceOfRepeat(values);
   if (!repeat) return {};
   const std::vector<Run> runs = RunsOf(values);
+  if (RestsElsewhere(values, runs)) return {};
   // Each peak of a periodic signal ends in the same value.
   const auto chance_of = [&](double end) {
     double chance = 1.0;

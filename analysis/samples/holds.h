@@ -34,9 +34,9 @@ struct Frozen {
   std::size_t count{};
 };
 
-/// Finds segments of one value, to the last digit, in a signal whose noise is several of its steps. In a signal
-/// without visible noise, and at the ends of the signal's range, where it may be clipped, those of 8 values and
-/// more that were left, or come to, by a jump three times as large as any other change.
+/// Finds segments of one value, to the last digit, in a signal whose noise is several of its steps. In a
+/// signal without visible noise, and at the ends of the signal's range, where it may be clipped, those of 8
+/// values and more that were left, or come to, by a jump three times as large as any other change.
 std::vector<Frozen> FindFrozen(std::span<const double> values);
 
 /// An end of a signal's range at which it stands where its own noise would never let it: the range of its
@@ -46,7 +46,8 @@ struct Saturated {
   std::size_t count{};  // rows
 };
 
-/// The smallest value, the largest, both or none. A signal without visible noise tells nothing.
+/// The smallest value, the largest, both or none. A signal without visible noise tells nothing, and one that
+/// stands as long elsewhere is held.
 std::vector<Saturated> FindSaturated(std::span<const double> values);
 
 /// Segments of one value, of so many rows and more.

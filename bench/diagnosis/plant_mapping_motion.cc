@@ -140,6 +140,8 @@ void MapMotion(Parameters nominal, std::span<const NamedCause> causes, const Map
     } else if (cause.name == "asymmetric_friction") {
       plant.Set("asymmetric_viscous_friction",
                 {{"difference_Nms_per_rad", Require(cause, "viscous_difference_Nms_per_rad")}});
+    } else if (cause.name == "position_periodic_torque" && Find(cause.parameters, "friction_amplitude_Nm")) {
+      plant.Say("position_periodic_torque: the simulated bench has no friction of such an order and phase");
     } else if (cause.name == "position_periodic_torque") {
       plant.Set("input_periodic_torque", {{"amplitude_Nm", Require(cause, "amplitude_Nm")},
                                           {"order_per_turn", Require(cause, "order_per_turn")},

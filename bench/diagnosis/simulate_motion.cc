@@ -100,6 +100,10 @@ double CauseTorque(const diagnosis::Study::NamedCause& cause, const Row& row) {
   const double order = cause.name == "gravity_load"             ? 1.0
                        : Number(numbers, "periods_per_m") > 0.0 ? kTwoPi * Number(numbers, "periods_per_m")
                                                                 : Number(numbers, "order");
+  const double friction = Number(numbers, "friction_amplitude");
+  if (friction > 0.0)
+    return friction * row.direction *
+           std::cos(order * row.position - RadFromDeg(Number(numbers, "friction_phase")));
   return Number(numbers, "amplitude") * std::cos(order * row.position - RadFromDeg(Number(numbers, "phase")));
 }
 

@@ -92,6 +92,25 @@ TEST(MotionFriction, DoesNotHideARippleOnAStaircase) {
   EXPECT_NEAR(order.value, 25.0, 4.0 * order.standard_error);
 }
 
+// A seal or bearing off centre: against the motion, whichever way it goes.
+TEST(MotionFriction, ThatRepeatsWithPositionIsNamed) {
+  const Staircase mixed{
+      .speeds_rad_per_s = {0.4, -0.5, 1.5, -1.4, 0.6, 1.9, -1.2, 0.8, -1.7, 1.3, -0.7, 1.6, -0.9, 0.5},
+      .rate_Hz = 125.0,
+      .spell_s = 3.6,
+      .turn_s = 0.2,
+      .inertia_kgm2 = 0.07,
+      .noise_Nm = 0.096};
+  const Diagnosed found = Ask(Record(3, mixed, [](double, double position, double speed) {
+    return 0.04 * speed + (0.59 + 0.1 * std::sin(12.0 * position + 0.3)) * std::tanh(speed / 1e-3);
+  }));
+  EXPECT_EQ(found.names(), Names{"position_periodic_torque"});
+  const ParameterValue order = found.value("order_per_turn");
+  EXPECT_NEAR(order.value, 12.0, 4.0 * order.standard_error);
+  const ParameterValue amplitude = found.value("friction_amplitude_Nm");
+  EXPECT_NEAR(amplitude.value, 0.1, 4.0 * amplitude.standard_error);
+}
+
 // What a single fast move says of friction is not to be predicted from the slow ones: held out are parts of a
 // move, never the whole of it.
 TEST(MotionFriction, OfASingleFastMoveIsNotHeldOutAtOnce) {

@@ -160,6 +160,18 @@ TEST(TransmissionErrorStudy, NamesEachCauseOfTheListAndItsSize) {
   }
 }
 
+// Felt by the flank that is in contact when it turns this way.
+TEST(TransmissionErrorStudy, NamesADamageOfOneFlank) {
+  const Answer answer = Ask(Sweep(36, [](const Place& at) {
+    if (at.direction < 0.0) return 0.0;
+    return 0.12 * std::exp(-0.5 * std::pow((DegFromRad(at.output_rad) - 143.0) / 1.5, 2.0));
+  }));
+  EXPECT_EQ(answer.name(), "local_tooth_damage");
+  EXPECT_EQ(answer.diagnosis.causes.size(), 1u);
+  EXPECT_NEAR(answer.value("centre_deg"), 143.0, 0.8);
+  EXPECT_NEAR(answer.value("height_cw_arcmin"), 0.12, 0.03);
+}
+
 // The room warms and cools once in the record, which has no temperature.
 TEST(TransmissionErrorStudy, NamesADriftThatSwingsBack) {
   TransmissionErrorData record =
@@ -171,6 +183,18 @@ TEST(TransmissionErrorStudy, NamesADriftThatSwingsBack) {
   EXPECT_TRUE(answer.diagnosis.nuisance_terms.empty());
   EXPECT_NEAR(answer.value("drift_swing_arcmin"), 0.08, 0.01);
   EXPECT_NEAR(answer.value("period_s"), 1300.0, 150.0);
+}
+
+// Of two lags behind one another, of which ours knows one, and nobody kept the temperature.
+TEST(TransmissionErrorStudy, NamesADriftOfAnotherLaw) {
+  TransmissionErrorData record = Sweep(37, [](const Place& at) {
+    const double lags = at.time_s / 170.0;
+    return 0.3 * (1.0 - (1.0 + lags) * std::exp(-lags));
+  });
+  record.temperature_degC.clear();
+  const Answer answer = Ask(record);
+  EXPECT_EQ(answer.name(), "thermal_drift");
+  EXPECT_EQ(answer.diagnosis.causes.size(), 1u);
 }
 
 // One or two samples a pass stand off, but in each pass: no outliers.

@@ -231,6 +231,15 @@ TEST(FindSaturated, FindsBothEndsWhereOneSpeaksForTheOther) {
   EXPECT_EQ(FindSaturated(values).size(), 2U);
 }
 
+// A load that is held between its ends as long as at them.
+TEST(FindSaturated, FindsNoneInALoadThatIsHeldElsewhereToo) {
+  std::vector<double> values = Way(700, 200.0, 0.3);
+  for (double& value : values) value = std::min(1e-3 * std::round(value / 1e-3), 170.0);
+  ASSERT_EQ(FindSaturated(values).size(), 1U);
+  values.insert(values.begin() + 40, 400, values[40]);
+  EXPECT_TRUE(FindSaturated(values).empty());
+}
+
 TEST(FindSaturated, FindsNoneWhereStepsAreCoarserThanTheNoise) {
   std::vector<double> values = Way(700, 20.0, 0.1);
   for (double& value : values) value = std::round(value);

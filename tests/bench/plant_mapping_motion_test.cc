@@ -173,6 +173,10 @@ TEST(MotionMapping, SaysWhatTheBenchCannotRun) {
             "motion: a linear axis has no place on the simulated bench, which turns");
   EXPECT_EQ(sentence(kNominal, {Cause("time_delay", {{"delay_s", 0.03}})}),
             "time_delay: 0.03 s is more than the bench carries (0.016 s)");
+  EXPECT_EQ(sentence(kNominal, {Cause("position_periodic_torque", {{"friction_amplitude_Nm", 0.02},
+                                                                   {"friction_phase_deg", 50.0},
+                                                                   {"order_per_turn", 12.0}})}),
+            "position_periodic_torque: the simulated bench has no friction of such an order and phase");
   EXPECT_EQ(sentence(kNominal, {Cause("solar_wind", {})}),
             "solar_wind: the simulated bench has no term for it");
   EXPECT_EQ(sentence(Values({{"inertia_kgm2", 3.0}, {"coulomb_Nm", 40.0}}), {}),

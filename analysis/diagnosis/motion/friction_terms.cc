@@ -85,13 +85,10 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
 }
 
 void AddAsymmetry(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
-  double forward = 0.0;
-  for (const double direction : grid->direction) forward += direction > 0.0 ? 1.0 : 0.0;
-  const double share = forward / static_cast<double>(grid->direction.size());
   std::vector<double> points(grid->velocity.size());
   for (std::size_t i = 0; i < points.size(); ++i) points[i] = 0.5 * grid->direction[i] * grid->velocity[i];
   Eigen::VectorXd column = grid->Project(points);
-  if (std::min(share, 1.0 - share) < 0.05) {
+  if (!MovesBothWays(*grid)) {
     NotExcited(model, "asymmetric_friction", "the axis moves in one direction only (expected both)");
     return;
   }

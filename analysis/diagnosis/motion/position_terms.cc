@@ -31,72 +31,110 @@ std::vector<double> AtRows(const MotionGrid& grid, const std::vector<double>& po
   return values;
 }
 
-void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+// Orders that a record can tell.
+struct OrderRange {
+  double low{};
+  double high{};
+  double cell{};  // that tells two orders apart
+};
+
+OrderRange OrdersOf(const MotionGrid& grid, double turns, bool linear) {
+  // Slower than one and a half periods in the record it is a smooth function of position; faster than the
+  // low-pass lets through at the slow end of the motion, or than the position resolves, it leaves no trace.
+  const double slow = QuantileOfMagnitude(AngleOf(grid.velocity, linear), 0.25);
+  double high = linear ? kHighestPerM : kHighestPerTurn;
+  if (slow > 0.0) high = std::min(high, grid.cutoff_rad_per_s() / slow);
+  if (grid.position_noise > 0.0) high = std::min(high, 0.5 / (grid.position_noise * (linear ? kTwoPi : 1.0)));
+  return {std::max(linear ? 0.0 : 0.5, 1.5 / turns), high, 1.0 / turns};
+}
+
+// A torque that repeats with position, or a friction, which turns with the direction.
+enum class Ripple { kTorque, kFriction };
+
+SeparableTerm RippleTerm(const SharedGrid& grid, const std::vector<double>& angle, const OrderRange& orders,
+                         Ripple ripple, bool linear) {
+  const std::vector<double> sign =
+      ripple == Ripple::kFriction ? grid->direction : std::vector<double>(angle.size(), 1.0);
+  SeparableTerm term = PointTerm(grid, 2,
+                                 [angle, sign](std::span<const double> nonlinear_parameters,
+                                               std::size_t column, std::span<double> points) {
+                                   for (std::size_t i = 0; i < points.size(); ++i) {
+                                     const double at = nonlinear_parameters[0] * angle[i];
+                                     points[i] = sign[i] * (column == 0 ? std::cos(at) : std::sin(at));
+                                   }
+                                 });
+  term.nonlinear_parameters = {{0.9 * orders.low, 1.1 * orders.high, 0.2 * orders.cell}};
+  // A line of one per turn is gravity's.
+  const auto is_gravity = [=](double order) {
+    return ripple == Ripple::kTorque && !linear && std::abs(order - 1.0) < 0.1 * orders.cell;
+  };
+  const std::vector<double> angle_at_rows = AtRows(*grid, angle);
+  const std::vector<double> sign_at_rows = AtRows(*grid, sign);
+  term.starts = [=](const WeightedResidual& residual) {
+    std::vector<double> signed_values(residual.values.begin(), residual.values.end());
+    for (std::size_t i = 0; i < signed_values.size(); ++i) signed_values[i] *= sign_at_rows[i];
+    std::vector<std::vector<double>> starts;
+    for (const LinePeak& peak :
+         FindLines(angle_at_rows, signed_values, residual.weights, orders.low, orders.high, 5)) {
+      if (!is_gravity(peak.order) && starts.size() < 3) starts.push_back({peak.order});
+    }
+    return starts;
+  };
+  term.log_search_locations = [orders](std::span<const double> nonlinear_parameters) {
+    return LogSearchLocationsOfLine(nonlinear_parameters[0], orders.low, orders.high);
+  };
+  return term;
+}
+
+void AddRipples(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const std::vector<double> angle = AngleOf(grid->position, units.linear);
   const std::vector<double> angle_at_rows = AtRows(*grid, angle);
   const auto [first, last] = std::minmax_element(angle_at_rows.begin(), angle_at_rows.end());
   const double turns = (*last - *first) / kTwoPi;
-  // Slower than one and a half periods in the record it is a smooth function of position; faster than the
-  // low-pass lets through at the slow end of the motion, or than the position resolves, it leaves no trace.
-  const double slow = QuantileOfMagnitude(AngleOf(grid->velocity, units.linear), 0.25);
-  double high = units.linear ? kHighestPerM : kHighestPerTurn;
-  if (slow > 0.0) high = std::min(high, grid->cutoff_rad_per_s() / slow);
-  if (grid->position_noise > 0.0) {
-    high = std::min(high, 0.5 / (grid->position_noise * (units.linear ? kTwoPi : 1.0)));
-  }
-  const double low = std::max(units.linear ? 0.0 : 0.5, 1.5 / turns);
-  if (!(high > 2.0 * low)) {
+  const OrderRange orders = OrdersOf(*grid, turns, units.linear);
+  if (!(orders.high > 2.0 * orders.low)) {
     model.warnings.push_back(
         fmt::format("no verdict on position_periodic_torque: the axis moves over {:.3g} {} only, or too "
                     "fast for its sampling",
                     units.linear ? *last / kTwoPi - *first / kTwoPi : turns, units.linear ? "m" : "turns"));
     return;
   }
-  SeparableTerm term = PointTerm(
-      grid, 2,
-      [angle](std::span<const double> nonlinear_parameters, std::size_t column, std::span<double> points) {
-        for (std::size_t i = 0; i < points.size(); ++i) {
-          points[i] = column == 0 ? std::cos(nonlinear_parameters[0] * angle[i])
-                                  : std::sin(nonlinear_parameters[0] * angle[i]);
-        }
-      });
-  const double cell = 1.0 / turns;
-  term.nonlinear_parameters = {{0.9 * low, 1.1 * high, 0.2 * cell}};
-  // A line of one per turn is gravity's.
-  const auto is_gravity = [=](double order) { return !units.linear && std::abs(order - 1.0) < 0.1 * cell; };
-  term.starts = [=](const WeightedResidual& residual) {
-    std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(angle_at_rows, residual.values, residual.weights, low, high, 5)) {
-      if (!is_gravity(peak.order) && starts.size() < 3) starts.push_back({peak.order});
-    }
-    return starts;
+  const std::string order = units.linear ? "periods_per_m" : "order_per_turn";
+  const std::string per = units.linear ? "1/m" : "1";
+  const auto add = [&](Ripple ripple, const std::string& sentence, const std::string& to_settle) {
+    SeparableTerm term = RippleTerm(grid, angle, orders, ripple, units.linear);
+    const std::string amplitude =
+        (ripple == Ripple::kFriction ? "friction_amplitude_" : "amplitude_") + units.torque();
+    DescribeAsHarmonic(term, amplitude, units.torque(), 1.0, {{order, per, 1.0}});
+    model.causes.push_back(std::move(term));
+    model.rules.push_back({.name = "position_periodic_torque",
+                           .sentence = sentence,
+                           .where = Where::kUndecided,
+                           .effect = "E13",
+                           .parameters = {{amplitude, units.torque(), 0.0, kUnlimited, true},
+                                          {order, per, orders.low, orders.high, false}},
+                           .degrees_of_freedom = 3,
+                           .trials_factor = IndependentOrders(angle_at_rows, orders.low, orders.high),
+                           .to_settle = units.linear ? "" : to_settle});
   };
-  term.log_search_locations = [low, high](std::span<const double> nonlinear_parameters) {
-    return LogSearchLocationsOfLine(nonlinear_parameters[0], low, high);
-  };
-  const std::string name = units.linear ? "periods_per_m" : "order_per_turn";
-  DescribeAsHarmonic(term, "amplitude_" + units.torque(), units.torque(), 1.0,
-                     {{name, units.linear ? "1/m" : "1", 1.0}});
-  model.causes.push_back(std::move(term));
-  model.rules.push_back(
-      {.name = "position_periodic_torque",
-       .sentence = units.linear
-                       ? "a force that repeats with position: the pitch of a screw, magnets, balls or teeth"
-                       : "a torque that repeats with position: cogging of the motor (slots and poles), teeth "
-                         "of the gear, "
-                         "an encoder or coupling off centre",
-       .where = Where::kUndecided,
-       .effect = "E13",
-       .parameters = {{"amplitude_" + units.torque(), units.torque(), 0.0, kUnlimited, true},
-                      {name, units.linear ? "1/m" : "1", low, high, false}},
-       .degrees_of_freedom = 3,
-       .trials_factor = IndependentOrders(angle_at_rows, low, high),
-       .to_settle = units.linear
-                        ? ""
-                        : "# without the gear cogging stays, with it and at another speed the gear's own "
-                          "goes with the turn\n"
-                          "- kind: load_run\n  name: other-speed\n  duration: 5 min\n  output_torque: 0 Nm\n"
-                          "  input_speed: 100 rpm\n"});
+  add(Ripple::kTorque,
+      units.linear ? "a force that repeats with position: the pitch of a screw, magnets, balls or teeth"
+                   : "a torque that repeats with position: cogging of the motor (slots and poles), teeth "
+                     "of the gear, "
+                     "an encoder or coupling off centre",
+      "# without the gear cogging stays, with it and at another speed the gear's own "
+      "goes with the turn\n"
+      "- kind: load_run\n  name: other-speed\n  duration: 5 min\n  output_torque: 0 Nm\n"
+      "  input_speed: 100 rpm\n");
+  // One direction does not tell it from a torque.
+  if (MovesBothWays(*grid)) {
+    add(Ripple::kFriction,
+        "a friction that repeats with position, against the motion: a seal or bearing off centre, teeth or "
+        "rolling elements that run tight",
+        "# the same turns both ways: a friction changes its sign with the direction, a torque does not\n"
+        "- {kind: measurement_rotation, turns: 1, direction: both, output_torque: 0 Nm, input_speed: 100 "
+        "rpm}\n");
+  }
 }
 
 void AddGravity(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
@@ -135,7 +173,7 @@ void AddGravity(const SharedGrid& grid, const MotionUnits& units, SeparableModel
 }  // namespace
 
 void AddPositionCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
-  AddRipple(grid, units, model);
+  AddRipples(grid, units, model);
   AddGravity(grid, units, model);
 }
 

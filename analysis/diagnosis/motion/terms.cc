@@ -56,6 +56,14 @@ void AddNominalMotion(const SharedGrid& grid, const MotionUnits& units, Separabl
   model.nominal.push_back(std::move(term));
 }
 
+bool MovesBothWays(const MotionGrid& grid) {
+  constexpr double kLeastShare = 0.05;
+  const auto forward =
+      static_cast<double>(std::ranges::count_if(grid.direction, [](double way) { return way > 0.0; }));
+  const double share = forward / static_cast<double>(grid.direction.size());
+  return std::min(share, 1.0 - share) >= kLeastShare;
+}
+
 double ShareBesideNominal(const MotionGrid& grid, const Eigen::VectorXd& column) {
   const double all = (column.array() - column.mean()).matrix().squaredNorm();
   return all > 0.0 ? grid.BesideNominal(column).squaredNorm() / all : 0.0;

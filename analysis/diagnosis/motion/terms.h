@@ -60,6 +60,9 @@ SeparableTerm PointTerm(SharedGrid grid, std::size_t columns, ColumnAt column_at
 /// A term of fixed columns at the rows.
 SeparableTerm FixedTerm(Eigen::MatrixXd columns);
 
+/// Whether each direction makes up 5 % of the motion at least.
+bool MovesBothWays(const MotionGrid& grid);
+
 /// Share of a column's variance that the nominal terms do not make up.
 double ShareBesideNominal(const MotionGrid& grid, const Eigen::VectorXd& column);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "analysis/diagnosis/residual_views.h"
@@ -277,30 +278,48 @@ void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, 
                          .named = false});
 }
 
-// Powers of a quantity beyond the first, which is a named cause.
-void AddCurve(SeparableModel& model, const std::vector<double>& values, std::string name) {
-  if (values.empty() || !(SpanOf(values) > 0.0)) return;
-  const double middle = 0.5 * (*std::min_element(values.begin(), values.end()) +
-                               *std::max_element(values.begin(), values.end()));
-  const double half = 0.5 * SpanOf(values);
+constexpr Eigen::Index kPowers = 4;
+
+// Powers of a quantity, from −1 at its smallest value to 1 at its largest; nothing of one that stands still.
+std::optional<SeparableTerm> CurveTerm(const std::vector<double>& values) {
+  if (values.empty() || !(SpanOf(values) > 0.0)) return std::nullopt;
+  const auto [low, high] = std::ranges::minmax(values);
+  const double middle = 0.5 * (low + high);
+  const double half = 0.5 * (high - low);
   SeparableTerm term;
-  term.columns = 4;
+  term.columns = kPowers;
   term.fill = [values, middle, half](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       double power = 1.0;
-      for (Eigen::Index j = 0; j < 4; ++j)
+      for (Eigen::Index j = 0; j < kPowers; ++j)
         design(static_cast<Eigen::Index>(i), j) = power *= (values[i] - middle) / half;
     }
   };
   std::vector<NonlinearParameterDescription> numbers;
-  for (int k = 1; k <= 4; ++k)
+  for (Eigen::Index k = 1; k <= kPowers; ++k)
     numbers.push_back({fmt::format("power_{}_arcmin", k), "arcmin", kArcminPerRad});
   DescribeEach(term, std::move(numbers));
-  model.causes.push_back(std::move(term));
-  model.rules.push_back({.name = std::move(name), .degrees_of_freedom = 4, .named = false});
+  return term;
+}
+
+void AddCurve(SeparableModel& model, const std::vector<double>& values, std::string name) {
+  std::optional<SeparableTerm> term = CurveTerm(values);
+  if (!term) return;
+  model.causes.push_back(std::move(*term));
+  model.rules.push_back(
+      {.name = std::move(name), .degrees_of_freedom = static_cast<int>(kPowers), .named = false});
 }
 
 }  // namespace
+
+void AddCurveOfDrift(const TransmissionErrorSamples& samples, CauseRule rule, SeparableModel& model) {
+  std::optional<SeparableTerm> term = CurveTerm(samples.time_s);
+  if (!term) return;
+  model.causes.push_back(std::move(*term));
+  rule.parameters = {{"power_1_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, false}};
+  rule.degrees_of_freedom = static_cast<int>(kPowers);
+  model.rules.push_back(std::move(rule));
+}
 
 void AddTransmissionErrorNuisanceTerms(const TransmissionErrorSamples& samples, SeparableModel& model) {
   AddFreeLine(samples, model, "line over output angle");
@@ -315,7 +334,7 @@ void AddTransmissionErrorNuisanceTerms(const TransmissionErrorSamples& samples, 
   AddLevelInWindow(model, samples.time_s, SpanOf(samples.time_s) / 40.0,
                    {fmt::format("from_{}", unit), unit, 1.0}, {fmt::format("to_{}", unit), unit, 1.0},
                    "level in a window of time");
-  AddCurve(model, samples.time_s, "curve over time");
+  if (!TimeIsApartFromAngle(samples)) AddCurve(model, samples.time_s, "curve over time");
   AddCurve(model, samples.torque_Nm, "curve over torque");
 }
 

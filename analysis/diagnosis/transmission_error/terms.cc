@@ -19,8 +19,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kLargest_arcmin = 60.0;  // no gear that still turns errs by more
-constexpr double kLeastWarming_K = 0.1;   // a drift of less than that is one of time
+constexpr double kLeastWarming_K = 0.1;  // a drift of less than that is one of time
 
 constexpr char kSmallerStep[] =
     "# a smaller step tells the orders apart that these steps fold onto one another\n"
@@ -158,11 +157,10 @@ double TurnsTravelled(const Samples& samples) {
 // A room that warms and cools again, about once in the record; where the sweep goes by each angle once that
 // is an eccentricity.
 void AddSwingOfDrift(const Samples& samples, SeparableModel& model, CauseRule rule) {
-  constexpr double kFewestTurns = 1.5;
   constexpr double kShortest = 0.7;  // period, of the record
   constexpr double kLongest = 4.0;
   const double span_s = SpanOf(samples.time_s);
-  if (!(span_s > 0.0) || TurnsTravelled(samples) < kFewestTurns) return;
+  if (!(span_s > 0.0) || !TimeIsApartFromAngle(samples)) return;
   const double first_s = *std::min_element(samples.time_s.begin(), samples.time_s.end());
   SeparableTerm term;
   term.columns = 2;
@@ -231,7 +229,8 @@ void AddDrift(const Samples& samples, SeparableModel& model) {
   rule.degrees_of_freedom = 2;
   model.causes.push_back(std::move(term));
   model.rules.push_back(rule);
-  AddSwingOfDrift(samples, model, std::move(rule));
+  AddSwingOfDrift(samples, model, rule);
+  if (TimeIsApartFromAngle(samples)) AddCurveOfDrift(samples, std::move(rule), model);
 }
 
 // What the sample that has most of a damage has of it: of a bump as narrow as the steps nobody knows how high
@@ -258,7 +257,23 @@ ParameterValue SeenOfDamage(std::span<const double> turn_angle, std::span<const 
           kArcminPerRad * error};
 }
 
-void AddLocalDamage(const Samples& samples, SeparableModel& model) {
+// Which flank of the tooth is damaged: one alone is felt in one direction.
+enum class Flank { kBoth, kClockwise, kCounterclockwise };
+
+std::string SentenceOfDamage(Flank flank) {
+  const std::string bump = "a bump that stays within a few degrees of the output: a tooth is damaged there";
+  if (flank == Flank::kBoth) return bump;
+  return bump +
+         (flank == Flank::kClockwise ? ", on the flank that turns cw" : ", on the flank that turns ccw");
+}
+
+std::string HeightOfDamage(Flank flank) {
+  return flank == Flank::kBoth        ? "height_arcmin"
+         : flank == Flank::kClockwise ? "height_cw_arcmin"
+                                      : "height_ccw_arcmin";
+}
+
+void AddLocalDamage(const Samples& samples, Flank flank, SeparableModel& model) {
   std::vector<double> turn_angle(samples.output_rad);
   for (double& angle : turn_angle) angle -= kTwoPi * std::floor(angle / kTwoPi);
   const double density =
@@ -266,28 +281,35 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
   const double narrowest = std::max(RadFromDeg(0.5), 2.5 / density);
   const double widest = RadFromDeg(12.0);
   // What one sample shows may be an outlier, but not where other passes show it again.
-  const double least = TurnsTravelled(samples) > 1.5 ? 0.0 : 0.7 * narrowest;
+  const double least = TimeIsApartFromAngle(samples) ? 0.0 : 0.7 * narrowest;
   SeparableTerm term;
   constexpr double kMostSkew = 0.7;
   term.nonlinear_parameters = {
       {-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
       {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)},
       {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForErrors}};
-  term.fill = [turn_angle](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
+  std::vector<double> felt;
+  for (const double direction : samples.direction)
+    felt.push_back(flank == Flank::kBoth || (flank == Flank::kClockwise) == (direction > 0.0));
+  term.fill = [turn_angle, felt](std::span<const double> nonlinear_parameters,
+                                 Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < turn_angle.size(); ++i) {
-      design(static_cast<Eigen::Index>(i), 0) = model::LocalToothDamageShape(
-          turn_angle[i], nonlinear_parameters[0], nonlinear_parameters[1], nonlinear_parameters[2]);
+      design(static_cast<Eigen::Index>(i), 0) =
+          felt[i] * model::LocalToothDamageShape(turn_angle[i], nonlinear_parameters[0],
+                                                 nonlinear_parameters[1], nonlinear_parameters[2]);
     }
   };
-  term.starts = [turn_angle, narrowest, widest](const WeightedResidual& residual) {
+  term.starts = [turn_angle, felt, narrowest, widest](const WeightedResidual& residual) {
+    std::vector<double> weights(residual.weights.begin(), residual.weights.end());
+    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= felt[i];
     std::vector<std::vector<double>> starts;
-    for (const WindowPeak& peak :
-         FindWindows(turn_angle, residual.values, residual.weights, narrowest, widest, 4)) {
+    for (const WindowPeak& peak : FindWindows(turn_angle, residual.values, weights, narrowest, widest, 4)) {
       starts.push_back({peak.centre, std::clamp(0.8 * peak.width, 0.6 * narrowest, widest), 0.0});
     }
     return starts;
   };
-  DescribeEach(term, {{"height_arcmin", "arcmin", kArcminPerRad},
+  const std::string height = HeightOfDamage(flank);
+  DescribeEach(term, {{height, "arcmin", kArcminPerRad},
                       {"centre_deg", "deg", DegFromRad(1.0)},
                       {"width_deg", "deg", DegFromRad(1.0)},
                       {"skew_share", "1", 1.0}});
@@ -298,19 +320,18 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
     return values;
   };
   model.causes.push_back(std::move(term));
-  model.rules.push_back(
-      {.name = "local_tooth_damage",
-       .sentence = "a bump that stays within a few degrees of the output: a tooth is damaged there",
-       .where = Where::kUnit,
-       .effect = "E24",
-       .parameters = {{"height_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, false},
-                      {"seen_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, true},
-                      {"width_deg", "deg", DegFromRad(least), 14.0, false}},
-       .degrees_of_freedom = 3,
-       .location_parameters = 2,
-       .trials_factor = std::max(1.0, 0.5 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
-       .local = true,
-       .of_few_samples = true});
+  model.rules.push_back({.name = "local_tooth_damage",
+                         .sentence = SentenceOfDamage(flank),
+                         .where = Where::kUnit,
+                         .effect = "E24",
+                         .parameters = {{height, "arcmin", -kLargest_arcmin, kLargest_arcmin, false},
+                                        {"seen_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, true},
+                                        {"width_deg", "deg", DegFromRad(least), 14.0, false}},
+                         .degrees_of_freedom = 3,
+                         .location_parameters = 2,
+                         .trials_factor = std::max(1.0, 0.5 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
+                         .local = true,
+                         .of_few_samples = true});
 }
 
 void AddWindup(const Samples& samples, SeparableModel& model) {
@@ -333,6 +354,11 @@ void AddWindup(const Samples& samples, SeparableModel& model) {
 }
 
 }  // namespace
+
+bool TimeIsApartFromAngle(const Samples& samples) {
+  constexpr double kFewestTurns = 1.5;
+  return TurnsTravelled(samples) >= kFewestTurns;
+}
 
 SeparableTerm HarmonicTerm(const std::vector<double>& angle_rad, double order, std::string amplitude_name,
                            std::string unit, double unit_per_si) {
@@ -361,7 +387,11 @@ void AddTransmissionErrorCauses(const Samples& samples, SeparableModel& model) {
   AddHarmonics(samples, model);
   AddBacklash(samples, model);
   AddDrift(samples, model);
-  AddLocalDamage(samples, model);
+  AddLocalDamage(samples, Flank::kBoth, model);
+  if (SpanOf(samples.direction) > 1.0) {
+    AddLocalDamage(samples, Flank::kClockwise, model);
+    AddLocalDamage(samples, Flank::kCounterclockwise, model);
+  }
   AddWindup(samples, model);
   AddTransmissionErrorNuisanceTerms(samples, model);
 }

@@ -24,9 +24,18 @@ struct TransmissionErrorSamples {
   double samples_per_turn{};  // of the output, where the steps are even; else 0
 };
 
+inline constexpr double kLargest_arcmin = 60.0;  // no gear that still turns errs by more
+
 /// Appends the causes of docs/contract.md and those that docs/effects.md adds (tooth engagement, E2), then
 /// the nuisance terms; a cause that the record did not excite is left out, with a warning.
 void AddTransmissionErrorCauses(const TransmissionErrorSamples& samples, SeparableModel& model);
+
+/// Whether the sweeps go by the same angle at several times, so that a curve over time is none over the
+/// angle.
+bool TimeIsApartFromAngle(const TransmissionErrorSamples& samples);
+
+/// A drift over time whose law nobody knows: powers of time 1 to 4. @param rule  of the other forms of drift.
+void AddCurveOfDrift(const TransmissionErrorSamples& samples, CauseRule rule, SeparableModel& model);
 
 /// Nuisance terms, which have no physical cause: free lines over the output angle, a ripple in a window,
 /// levels in windows of output angle and time, curves over time and torque.

@@ -19,6 +19,7 @@ constexpr double kLeastOfSet = 4.0;      // −ln p of known lines together
 constexpr double kPartOfLineCell = 0.3;  // that tells two lines apart
 constexpr double kScalesACell = 12.0;    // standard errors to both sides, and some between
 constexpr int kMostMultiple = 3;
+constexpr int kMostSpeedPower = 3;  // of a line's gain over the speed
 
 struct MeshOrders {
   std::array<double, 2> first_two{};
@@ -101,6 +102,32 @@ std::vector<double> LikeliestSet(const VibrationResidual& residual, const MeshOr
   return best;
 }
 
+bool SpeedChanges(const VibrationSamples& samples) {
+  return std::ranges::any_of(samples.runs,
+                             [](const VibrationRun& run) { return run.speed_spread > kLeastSpeedSpread; });
+}
+
+// The same lines with gains that follow the speed, as far as they pay.
+std::optional<TermFit> WithGainsOverSpeed(const VibrationResidual& residual, const TermFit& fit) {
+  VibrationTerm term = fit.term;
+  for (int power = 1; power <= kMostSpeedPower; ++power) {
+    for (const LineOrder& line : fit.term.lines) {
+      if (term.lines.size() < 2 * kMostLines) term.lines.push_back({line.harmonic, line.offset, power});
+    }
+  }
+  TermFit found = residual.WithAllChannels(std::move(term), 0);
+  while (found.term.lines.size() > fit.term.lines.size()) {
+    const std::vector<double> gains = LineGains(found);
+    const auto first = gains.begin() + static_cast<std::ptrdiff_t>(fit.term.lines.size());
+    const auto worst = std::min_element(first, gains.end());
+    if (*worst > 0.0) return found;
+    VibrationTerm fewer = found.term;
+    fewer.lines.erase(fewer.lines.begin() + (worst - gains.begin()));
+    found = residual.WithAllChannels(std::move(fewer), 0);
+  }
+  return std::nullopt;
+}
+
 // The scales of the angle that the shaft's lines leave open.
 double LogScales(const VibrationSamples& samples) {
   const double order = model::FlexsplineMeshOrder(samples.ratio);
@@ -113,8 +140,15 @@ std::optional<TermFit> SearchGearMesh(const VibrationResidual& residual, std::si
   const VibrationSamples& samples = residual.samples();
   const MeshOrders orders = OrdersOf(samples);
   LeastLikelyChance best(residual);
+  const bool speed_changes = SpeedChanges(samples);
   const auto take = [&](TermFit fit) {
     if (!HasItsOwn(orders, fit.term)) return;
+    if (speed_changes) {
+      if (std::optional<TermFit> following = WithGainsOverSpeed(residual, fit)) {
+        const double log_choices = LogChoicesOfMesh(samples, following->term);
+        best.Take(std::move(*following), log_choices);
+      }
+    }
     const double log_choices = LogChoicesOfMesh(samples, fit.term);
     best.Take(std::move(fit), log_choices);
   };
@@ -148,13 +182,18 @@ std::optional<TermFit> SearchGearMesh(const VibrationResidual& residual, std::si
 
 double LogChoicesOfMesh(const VibrationSamples& samples, const VibrationTerm& mesh) {
   const MeshOrders orders = OrdersOf(samples);
+  const auto follows_speed = [](const LineOrder& line) { return line.speed_power > 0; };
   const auto is_further = [&](const LineOrder& line) {
-    return std::ranges::none_of(orders.first_two,
-                                [&](double first) { return std::abs(first - OrderOf(line)) < 1e-9; });
+    return line.speed_power == 0 && std::ranges::none_of(orders.first_two, [&](double first) {
+             return std::abs(first - OrderOf(line)) < 1e-9;
+           });
   };
   const auto further = static_cast<std::size_t>(std::ranges::count_if(mesh.lines, is_further));
   const auto observable = static_cast<std::size_t>(std::ranges::count(mesh.observable, 1));
-  return LogChoices(further, orders.others.size()) + LogChoices(observable, samples.channels()) +
+  const auto following = static_cast<std::size_t>(std::ranges::count_if(mesh.lines, follows_speed));
+  const std::size_t may_follow = kMostSpeedPower * (mesh.lines.size() - following);
+  return LogChoices(further, orders.others.size()) + LogChoices(following, may_follow) +
+         LogChoices(observable, samples.channels()) +
          (mesh.nonlinear_parameters.empty() ? 0.0 : LogScales(samples));
 }
 

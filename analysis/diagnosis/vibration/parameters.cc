@@ -150,8 +150,9 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
       !term.nonlinear_parameters.empty() && nonlinear_parameters.size() > 0
           ? StandardErrorOf(nonlinear_parameters(first_nonlinear_parameter, first_nonlinear_parameter))
           : 0.0;
-  const LargestAmplitude largest =
-      LargestPair(samples, solution, t, 0, term.lines.size(), nonlinear_parameters);
+  // Gains that follow the speed come after those that do not: an amplitude is that over all speeds.
+  const auto steady = static_cast<std::size_t>(std::ranges::count(term.lines, 0, &LineOrder::speed_power));
+  const LargestAmplitude largest = LargestPair(samples, solution, t, 0, steady, nonlinear_parameters);
   double named = base;
   double named_error = error;
   if (cause == VibrationCause::kGearMesh) {
@@ -180,6 +181,9 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
     values.push_back({fmt::format("line_{}", l + 1), "1/turn",
                       term.lines[l].harmonic * base + term.lines[l].offset,
                       std::abs(term.lines[l].harmonic) * error});
+    if (term.lines[l].speed_power > 0)
+      values.push_back({fmt::format("line_{}_speed_power", l + 1), "1",
+                        static_cast<double>(term.lines[l].speed_power), 0.0});
   }
 }
 

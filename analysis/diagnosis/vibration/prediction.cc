@@ -69,7 +69,8 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
   for (int l = 1;; ++l) {
     const std::optional<double> order = Find(parameters, fmt::format("line_{}", l));
     if (!order) break;
-    term.lines.push_back({0.0, *order});
+    const std::optional<double> power = Find(parameters, fmt::format("line_{}_speed_power", l));
+    term.lines.push_back({0.0, *order, power ? static_cast<int>(*power) : 0});
   }
   const auto add_modulation_and_places = [&] {
     if (const auto modulation = Find(parameters, "modulated_per_turn")) {

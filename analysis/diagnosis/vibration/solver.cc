@@ -49,11 +49,7 @@ std::vector<VibrationNonlinearParameter> BoundsFrom(const VibrationSamples& samp
 }
 
 bool SameColumns(const VibrationTerm& a, const VibrationTerm& b) {
-  const auto same_line = [](const LineOrder& x, const LineOrder& y) {
-    return x.harmonic == y.harmonic && x.offset == y.offset;
-  };
-  return a.form == b.form && a.nonlinear_parameters == b.nonlinear_parameters &&
-         std::equal(a.lines.begin(), a.lines.end(), b.lines.begin(), b.lines.end(), same_line);
+  return a.form == b.form && a.nonlinear_parameters == b.nonlinear_parameters && a.lines == b.lines;
 }
 
 bool IsNarrowband(const VibrationTerm& term) { return term.form == VibrationForm::kNarrowband; }

@@ -17,6 +17,24 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+// Of the speed, from −1 at the slowest of all runs to 1 at the fastest.
+Eigen::VectorXd LegendreOfSpeed(const VibrationSamples& samples, const VibrationRun& run, int degree) {
+  double slowest = run.speed_rad_per_s.front();
+  double fastest = slowest;
+  for (const VibrationRun& other : samples.runs) {
+    const auto [low, high] = std::ranges::minmax(other.speed_rad_per_s);
+    slowest = std::min(slowest, low);
+    fastest = std::max(fastest, high);
+  }
+  Eigen::VectorXd values(static_cast<Index>(run.size()));
+  for (Index i = 0; i < values.size(); ++i) {
+    const double x =
+        2.0 * (run.speed_rad_per_s[static_cast<std::size_t>(i)] - slowest) / (fastest - slowest) - 1.0;
+    values(i) = std::legendre(static_cast<unsigned>(degree), std::clamp(x, -1.0, 1.0));
+  }
+  return values;
+}
+
 void FillLines(const std::vector<double>& angle, const VibrationTerm& term, MatrixXd& columns) {
   const double base = term.nonlinear_parameters.empty() ? 1.0 : term.nonlinear_parameters[0];
   for (std::size_t l = 0; l < term.lines.size(); ++l) {
@@ -212,6 +230,11 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
   switch (term.form) {
     case VibrationForm::kLines:
       FillLines(run.angle_rad, term, columns);
+      for (std::size_t l = 0; l < term.lines.size(); ++l) {
+        if (term.lines[l].speed_power == 0) continue;
+        const Eigen::VectorXd gain = LegendreOfSpeed(samples, run, term.lines[l].speed_power);
+        columns.middleCols(static_cast<Index>(2 * l), 2).array().colwise() *= gain.array();
+      }
       break;
     case VibrationForm::kTones:
       FillLines(run.time_2pi, term, columns);
@@ -280,7 +303,8 @@ std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
     state.push_back(static_cast<double>(term.cause));
     state.push_back(static_cast<double>(term.form));
     state.push_back(static_cast<double>(term.lines.size()));
-    for (const LineOrder& line : term.lines) state.insert(state.end(), {line.harmonic, line.offset});
+    for (const LineOrder& line : term.lines)
+      state.insert(state.end(), {line.harmonic, line.offset, static_cast<double>(line.speed_power)});
     state.push_back(static_cast<double>(term.nonlinear_parameters.size()));
     state.insert(state.end(), term.nonlinear_parameters.begin(), term.nonlinear_parameters.end());
     state.push_back(static_cast<double>(term.observable.size()));
@@ -302,6 +326,7 @@ std::vector<VibrationTerm> UnpackTerms(const std::vector<double>& state) {
     for (LineOrder& line : term.lines) {
       line.harmonic = next();
       line.offset = next();
+      line.speed_power = static_cast<int>(next());
     }
     term.nonlinear_parameters.resize(static_cast<std::size_t>(next()));
     for (double& nonlinear_parameter : term.nonlinear_parameters) nonlinear_parameter = next();

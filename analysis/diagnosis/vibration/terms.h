@@ -30,10 +30,13 @@ enum class VibrationForm {
   kLevels,      // slow change of the mean: powers of time 1 to 3; no nonlinear parameters
 };
 
-/// Order of a line: harmonic · base + offset, in lines per input turn (or Hz).
+/// Order of a line: harmonic · base + offset, in lines per input turn (or Hz). A line that passes resonances
+/// of the structure as the speed changes has further pairs of columns, in which it is multiplied by Legendre
+/// polynomials of the speed (−1 at the slowest of all runs, 1 at the fastest).
 struct LineOrder {
   double harmonic{};
   double offset{};
+  int speed_power{};  // degree of the polynomial
   bool operator==(const LineOrder&) const = default;
 };
 
