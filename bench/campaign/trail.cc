@@ -20,7 +20,7 @@ SELECT c.number, c.kind, c.sha256,
               WHEN 'note' THEN n.text
               WHEN 'alarm action' THEN 'alarm ' || a.number || ': ' || a.action ||
                    CASE a.text WHEN '' THEN '' ELSE ': ' || a.text END
-              ELSE c.key || ' = ' || p.value END
+              ELSE c.key || ': ' || CASE p.value WHEN '' THEN 'none' ELSE p.value END END
 FROM chain c
 LEFT JOIN campaign p ON c.kind = 'property' AND p.key = c.key
 LEFT JOIN events e ON c.kind = 'event' AND e.id = CAST(c.key AS INTEGER)

@@ -119,14 +119,15 @@ ReportSection DiagnosisOf(const std::filesystem::path& file, const Json& diagnos
     section.parts.emplace_back(CausesTable(diagnosis.at("causes")));
   }
   const Json& gain = diagnosis.at("gain");
+  const auto signature = diagnosis.at("unexplained").at("signature").get<std::string>();
   const Json& ci95 = gain.at("ci95");
   section.parts.emplace_back(fmt::format(
       "Error on held-out data falls by {} % (95 %: {} to {} %). Of the residual's variance {} % stays "
-      "unexplained: {}.",
+      "unexplained{}.",
       Fixed(100.0 * gain.at("heldout_rmse_reduction").get<double>(), 1),
       Fixed(100.0 * ci95.at(0).get<double>(), 1), Fixed(100.0 * ci95.at(1).get<double>(), 1),
       Fixed(100.0 * diagnosis.at("unexplained").at("share_of_residual_variance").get<double>(), 1),
-      diagnosis.at("unexplained").at("signature").get<std::string>()));
+      signature.empty() ? "" : ": " + signature));
   if (!diagnosis.at("to_settle").empty())
     section.parts.emplace_back("To settle what is open: " + ListWords(diagnosis.at("to_settle")) + ".");
   if (diagnosis.contains("power")) {

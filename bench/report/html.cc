@@ -78,8 +78,11 @@ bool HasLongWord(std::string_view text) {
   return false;
 }
 
+// "2026-03-01T12:00:00.250Z".
+bool IsTime(std::string_view text) { return text.size() == 24 && text[10] == 'T' && text.back() == 'Z'; }
+
 std::string_view ClassOf(std::string_view cell) {
-  if (LooksLikeNumber(cell)) return " class=\"number\"";
+  if (LooksLikeNumber(cell) || IsTime(cell)) return " class=\"number\"";
   return HasLongWord(cell) ? " class=\"long\"" : "";
 }
 

@@ -67,7 +67,7 @@ ReportSection LoadSection(const CampaignSheet& sheet) {
     return section;
   }
   section.parts.emplace_back(fmt::format(
-      "Ranges of the output torque, counted as rainflow (ASTM E1049) over {} cycle file(s) one after "
+      "Ranges of the output torque, counted as rainflow (ASTM E1049-85) over {} cycle file(s) one after "
       "another, "
       "the "
       "preparation's among them where it has torque. Of a load run each row of the log counts with its "

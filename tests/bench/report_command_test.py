@@ -275,7 +275,7 @@ class Report(unittest.TestCase):
         for row in rows:
             if float(row[2]) > 0:
                 self.assertLess(abs(float(row[3])), 42)
-        self.assertTrue(any("counted as rainflow (ASTM E1049) over 11 cycle file(s)" in words for words in self.page.words))
+        self.assertTrue(any("counted as rainflow (ASTM E1049-85) over 11 cycle file(s)" in words for words in self.page.words))
 
     def test_the_trail_has_each_act_with_its_link(self):
         rows = self.page.table("link", "UTC", "who", "kind")
