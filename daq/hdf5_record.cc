@@ -179,7 +179,7 @@ class GroupReader {
         Add(fmt::format(", dataset '{}'", child.name), fmt::format("column '{}' is doubled", name),
             "each column once");
       } else {
-        Take(members.empty() ? ReadColumn(dataset, name, TypeOf(name))
+        Take(members.empty() ? ReadColumn(dataset, name, TypeOf(name), columns_.empty())
                              : ReadMember(dataset, name, TypeOf(name)),
              child.name);
       }
