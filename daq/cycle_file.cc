@@ -56,14 +56,15 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
   WriteFileAtomically(path, image);
 }
 
-CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking) {
+CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking,
+                        std::span<const std::string_view> columns) {
   const Hdf5Silence silence;
   const std::string name = path.string();
   const Hdf5Handle file = OpenHdf5ForReading(path);
   CycleFile result;
   std::vector<Finding> findings;
   try {
-    const std::vector<std::string> groups = ListRecordGroups(file.get());
+    const std::vector<std::string> groups = ListRecordGroups(file.get(), columns.empty());
     if (groups.empty()) {
       throw RecordError(name, "no record is in the file", "a group with the attribute 'kind'");
     }
@@ -77,7 +78,7 @@ CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking) {
     });
     for (const std::string& group : groups) {
       try {
-        result.records.push_back({group, ReadRecordGroup(file.get(), group, name, checking)});
+        result.records.push_back({group, ReadRecordGroup(file.get(), group, name, checking, columns)});
       } catch (const RecordError& error) {
         findings.insert(findings.end(), error.findings().begin(), error.findings().end());
       }

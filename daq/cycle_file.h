@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daq/record.h"
@@ -43,8 +44,11 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
                             const Attributes& attributes = {});
 
 /// Reads every record of a file, and the attributes of the file itself.
+/// @param columns  of each record no others are read, these without sensor and calibration; a record within
+///   another is not looked for, and with `Checking::kNone` no column is missed. Empty: all.
 /// @throws RecordError with the findings of all records: a missing or cut file, a foreign one without a
 ///   record, a checksum that does not match, and with `Checking::kRules` what breaks the rules.
-CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking = Checking::kRules);
+CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking = Checking::kRules,
+                        std::span<const std::string_view> columns = {});
 
 }  // namespace strainwave::daq

@@ -294,11 +294,12 @@ void WriteColumn(hid_t group, const Column& column, const std::optional<std::str
   if (sample_rate_hz) WriteAttribute(dataset.get(), "sample_rate_hz", *sample_rate_hz);
 }
 
-ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType type) {
+ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType type, bool described) {
   ReadColumnResult result;
   result.column.name = name;
   std::vector<std::string> left_out;
-  for (const Hdf5Attribute& attribute : ReadAttributes(dataset, left_out)) {
+  const auto attributes = described ? ReadAttributes(dataset, left_out) : std::vector<Hdf5Attribute>();
+  for (const Hdf5Attribute& attribute : attributes) {
     if (attribute.name == "sensor_serial") result.column.sensor_serial = attribute.text;
     if (attribute.name == "calibration") result.column.calibration = attribute.text;
     if (IsCalibrationTerm(attribute.name)) {

@@ -34,7 +34,8 @@ struct ReadColumnResult {
   Column column;
   std::vector<ColumnTrouble> troubles;
 };
-ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType type);
+/// @param described  with sensor and calibration, which take longer than the values of a short column.
+ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType type, bool described = true);
 
 /// Names of the values in each row of a dataset of compound rows, as tables of h5py, PyTables and pandas are;
 /// empty for any other dataset. @throws Hdf5Error for more of them than a record has columns.

@@ -76,7 +76,8 @@ herr_t TakeHardLink(hid_t, const char* name, const H5L_info_t* link, void* names
 }
 
 // Groups and datasets that the group holds itself; soft and external links lead elsewhere.
-std::vector<Child> ChildrenOf(hid_t group) {
+// @param wanted  names; empty: all.
+std::vector<Child> ChildrenOf(hid_t group, std::span<const std::string_view> wanted = {}) {
   const Hdf5Handle properties(H5Gget_create_plist(group), H5Pclose);
   unsigned flags{};
   Check(H5Pget_link_creation_order(properties.get(), &flags));
@@ -91,6 +92,7 @@ std::vector<Child> ChildrenOf(hid_t group) {
   Check(H5Literate(group, index, H5_ITER_INC, nullptr, TakeHardLink, &names));
   std::vector<Child> children;
   for (std::string& name : names) {
+    if (!wanted.empty() && std::ranges::find(wanted, name) == wanted.end()) continue;
     Hdf5Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
     const H5I_type_t type = H5Iget_type(object.get());
     if (type == H5I_GROUP || type == H5I_DATASET)
@@ -99,7 +101,7 @@ std::vector<Child> ChildrenOf(hid_t group) {
   return children;
 }
 
-void ListGroupsBelow(hid_t group, const std::string& path, std::set<haddr_t>& visited,
+void ListGroupsBelow(hid_t group, const std::string& path, bool nested, std::set<haddr_t>& visited,
                      std::vector<std::string>& found) {
   H5O_info_t info{};
   Check(H5Oget_info2(group, &info, H5O_INFO_BASIC));
@@ -110,25 +112,29 @@ void ListGroupsBelow(hid_t group, const std::string& path, std::set<haddr_t>& vi
   if (std::ranges::count(path, '/') > kDeepestGroup) {
     throw Hdf5Error(fmt::format("groups are in one another more than {} deep", kDeepestGroup));
   }
-  if (Check(H5Aexists(group, kKindName.data())) > 0) found.push_back(path);
+  if (Check(H5Aexists(group, kKindName.data())) > 0) {
+    found.push_back(path);
+    if (!nested) return;
+  }
   for (const Child& child : ChildrenOf(group)) {
     if (child.type != H5I_GROUP) continue;
-    ListGroupsBelow(child.object.get(), (path == "/" ? "" : path) + "/" + child.name, visited, found);
+    ListGroupsBelow(child.object.get(), (path == "/" ? "" : path) + "/" + child.name, nested, visited, found);
   }
 }
 
 // One record while it is being read.
 class GroupReader {
  public:
-  GroupReader(const std::string& file_name, const std::string& path, Checking checking)
-      : checking_(checking) {
+  GroupReader(const std::string& file_name, const std::string& path, Checking checking,
+              std::span<const std::string_view> columns)
+      : checking_(checking), columns_(columns) {
     record_.source.file = file_name;
     record_.source.group = path;
   }
 
   Record Read(hid_t group) {
     ReadGroupAttributes(group);
-    for (const Child& child : ChildrenOf(group)) {
+    for (const Child& child : ChildrenOf(group, columns_)) {
       if (child.type == H5I_DATASET) ReadDataset(child);
     }
     DropOddLengths();
@@ -173,7 +179,7 @@ class GroupReader {
         Add(fmt::format(", dataset '{}'", child.name), fmt::format("column '{}' is doubled", name),
             "each column once");
       } else {
-        Take(members.empty() ? ReadColumn(dataset, name, TypeOf(name))
+        Take(members.empty() ? ReadColumn(dataset, name, TypeOf(name), columns_.empty())
                              : ReadMember(dataset, name, TypeOf(name)),
              child.name);
       }
@@ -277,6 +283,7 @@ class GroupReader {
   }
 
   Checking checking_;
+  std::span<const std::string_view> columns_;  // empty: all
   struct Trouble {
     ColumnTrouble trouble;
     std::vector<std::string> datasets;  // that have it
@@ -301,20 +308,20 @@ void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& r
     WriteColumn(group.get(), column, record.Metadata("sample_rate_hz"));
 }
 
-std::vector<std::string> ListRecordGroups(hid_t file) {
+std::vector<std::string> ListRecordGroups(hid_t file, bool nested) {
   const Hdf5Silence silence;
   const Hdf5Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose);
   std::set<haddr_t> visited;
   std::vector<std::string> found;
-  ListGroupsBelow(root.get(), "/", visited, found);
+  ListGroupsBelow(root.get(), "/", nested, visited, found);
   return found;
 }
 
 Record ReadRecordGroup(hid_t file, const std::string& group_path, const std::string& file_name,
-                       Checking checking) {
+                       Checking checking, std::span<const std::string_view> columns) {
   const Hdf5Silence silence;
   const Hdf5Handle group(H5Gopen2(file, group_path.c_str(), H5P_DEFAULT), H5Gclose);
-  return GroupReader(file_name, group_path, checking).Read(group.get());
+  return GroupReader(file_name, group_path, checking, columns).Read(group.get());
 }
 
 void WriteFileAttributes(hid_t file, const Attributes& attributes) {

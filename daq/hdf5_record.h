@@ -3,7 +3,9 @@
 
 #include <hdf5.h>
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daq/cycle_file.h"
@@ -21,14 +23,15 @@ void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& r
 
 /// Paths of all groups with an attribute `kind`, at any depth, the root among them, in the order of creation
 /// where the file keeps it and else by name. Soft and external links are not followed.
+/// @param nested  also those within the group of another record, for which every dataset is opened.
 /// @throws Hdf5Error.
-std::vector<std::string> ListRecordGroups(hid_t file);
+std::vector<std::string> ListRecordGroups(hid_t file, bool nested = true);
 
-/// Reads one group back. `file_name` is for messages.
+/// Reads one group back. `file_name` is for messages; `columns` as for `ReadCycleFile`.
 /// @throws RecordError with every finding as `FILE: error: group '/x', dataset 'y', row 17: WHAT (expected
 ///   ...)`, rows counted from 0; Hdf5Error if the group is not there.
 Record ReadRecordGroup(hid_t file, const std::string& group_path, const std::string& file_name,
-                       Checking checking = Checking::kRules);
+                       Checking checking = Checking::kRules, std::span<const std::string_view> columns = {});
 
 /// Writes and reads the attributes of the root group that belong to the file as a whole, but for the one that
 /// says which program has written it.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "bench/errors/bench_error.h"
 #include "bench/report/csv_tables.h"
 #include "bench/report/document.h"
+#include "bench/report/filed_papers.h"
 #include "bench/report/html.h"
 #include "daq/whole_file.h"
 
@@ -25,15 +28,43 @@ struct ReportOptions {
   std::vector<std::string> folders;
   std::string out;
   std::string csv;
+  std::vector<std::string> diagnoses;
+  std::vector<std::string> predictors;
+  std::vector<std::string> trip_tests;
   bool json{};
 };
 
+// What lies in the folder of a campaign, then what was given; each once.
+FiledPapers PapersOf(const ReportOptions& options) {
+  FiledPapers papers;
+  const auto take = [](const auto& from, std::vector<std::filesystem::path>& to) {
+    for (const auto& name : from) {
+      const std::filesystem::path path(name);
+      const auto same = [&](const std::filesystem::path& other) {
+        return std::filesystem::weakly_canonical(other) == std::filesystem::weakly_canonical(path);
+      };
+      if (std::ranges::none_of(to, same)) to.push_back(path);
+    }
+  };
+  for (const std::string& folder : options.folders) {
+    const FiledPapers here = PapersIn(folder);
+    take(here.diagnoses, papers.diagnoses);
+    take(here.predictors, papers.predictors);
+    take(here.trip_tests, papers.trip_tests);
+  }
+  take(options.diagnoses, papers.diagnoses);
+  take(options.predictors, papers.predictors);
+  take(options.trip_tests, papers.trip_tests);
+  return papers;
+}
+
 int WriteReport(const ReportOptions& options) {
   std::vector<std::string> warnings;
+  const std::vector<ReportSection> filed = FiledSections(PapersOf(options));
   std::vector<CampaignSheet> sheets;
   for (const std::string& folder : options.folders)
     sheets.push_back(ReadCampaignSheet(folder, kForecastLevel, warnings));
-  const ReportDocument document = ReportDocumentOf(sheets, warnings);
+  const ReportDocument document = ReportDocumentOf(sheets, filed, warnings);
   for (const std::string& warning : warnings) ToStderr("{}\n", warning);
   const std::string html = HtmlOf(document);
   daq::WriteFileAtomically(options.out, html);
@@ -69,6 +100,22 @@ void AddReport(CLI::App& app, Action& action) {
   command->add_option("--out", options->out, "HTML file to write; one of that name is replaced")->required();
   command->add_option("--csv", options->csv,
                       "folder for the same numbers as CSV; files of the same names are replaced");
+  command
+      ->add_option(
+          "--trip-test", options->trip_tests,
+          "sheet of bench trip-test --out to show, beside trip_test.json of a campaign's folder; may "
+          "be given several times")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--diagnosis", options->diagnoses,
+                   "diagnosis.json to show, beside diagnosis/diagnosis.json of a campaign's folder; may be "
+                   "given several times")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--predictor", options->predictors,
+                   "folder of train or export whose card to show, beside predictor/ of a campaign's folder; "
+                   "may be given several times")
+      ->allow_extra_args(false);
   command->add_flag("--json", options->json, "what was written, as JSON on standard output");
   command->callback([options, &action] { action = [options] { return WriteReport(*options); }; });
 }

@@ -53,6 +53,8 @@ void TakeHistory(const Journal& journal, CampaignSheet& sheet) {
   sheet.samples = SamplesOf(journal);
   sheet.alarms = journal.Alarms(-1.0);
   sheet.alarm_actions = journal.AlarmActions();
+  sheet.trail = TrailOf(journal);
+  sheet.cut = CutPhasesOf(journal);
 }
 
 void TakeOrders(const analysis::SweepError& first, const analysis::SweepError* last, CampaignSheet& sheet) {
@@ -125,6 +127,34 @@ void TakeForecasts(double level, CampaignSheet& sheet) {
   }
 }
 
+// Of the preparation, too: what is no cycle in a series.
+std::map<std::string, std::pair<double, int>> EquivalentTimes(const Journal& journal,
+                                                              const CampaignSheet& sheet) {
+  constexpr std::string_view kEnd = "_equivalent_s";
+  std::map<std::string, std::pair<double, int>> times;
+  const auto take = [&](const std::string& quantity, double value_s) {
+    if (!quantity.ends_with(kEnd)) return;
+    auto& [sum_s, count] = times[quantity.substr(0, quantity.size() - kEnd.size())];
+    sum_s += value_s;
+    ++count;
+  };
+  for (const auto& [quantity, series] : sheet.series) {
+    for (const analysis::Estimate& value : series.value) take(quantity, value.value);
+  }
+  for (const Result& result : journal.Results(0, 0)) take(result.quantity, result.value);
+  return times;
+}
+
+// From files that are known to be whole.
+void TakeLoad(const CampaignFolder& folder, const std::vector<int>& cycles, CampaignSheet& sheet,
+              std::vector<std::string>& warnings) {
+  try {
+    sheet.load = ReadLoadHistory(folder, sheet.integrity, sheet.inputs.schedule, cycles);
+  } catch (const daq::RecordError& error) {
+    warnings.push_back(fmt::format("warning: the load's ranges are not counted: {}", error.what()));
+  }
+}
+
 std::string VerifiedLine(const CampaignIntegrity& integrity) {
   const ChainReport& chain = integrity.journal.chain;
   return fmt::format("{}: journal {}, {}, {} complete cycles; files: {} whole, {} damaged, {} missing.",
@@ -173,6 +203,7 @@ CampaignSheet ReadCampaignSheet(const std::string& path, double level, std::vect
   sheet.folder = path;
   sheet.name = std::filesystem::weakly_canonical(path).filename().string();
   const CampaignFolder folder{path};
+  std::vector<int> cycles;
   {
     const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
     for (const std::string& warning : WarningsAbout(folder, journal)) warnings.push_back(warning);
@@ -185,6 +216,10 @@ CampaignSheet ReadCampaignSheet(const std::string& path, double level, std::vect
     sheet.load_s = journal.CreditedLoad_s(0);
     TakeHistory(journal, sheet);
     TakeResults(journal, sheet);
+    for (const CycleRow& row : journal.Cycles()) {
+      if (row.outcome == "complete") cycles.push_back(row.cycle);
+    }
+    sheet.load_runs = LoadRunShares(sheet.inputs.schedule, sheet.complete, EquivalentTimes(journal, sheet));
     sheet.cycles_csv = CycleTableOf(journal).csv;
     sheet.checks = CheckHistories(sheet.inputs.schedule, CheckResultsIn(journal, sheet.inputs.schedule));
     sheet.first_k2_Nm_per_rad = FirstK2_Nm_per_rad(journal);
@@ -194,7 +229,9 @@ CampaignSheet ReadCampaignSheet(const std::string& path, double level, std::vect
   }
   // Each opens the journal itself, which must be closed here by then (`Journal::Open`).
   TakeForecasts(level, sheet);
-  sheet.verified = VerifiedLine(VerifyCampaign(folder, [](std::uint64_t, std::uint64_t) {}));
+  sheet.integrity = VerifyCampaign(folder, [](std::uint64_t, std::uint64_t) {});
+  sheet.verified = VerifiedLine(sheet.integrity);
+  TakeLoad(folder, cycles, sheet, warnings);
   return sheet;
 }
 

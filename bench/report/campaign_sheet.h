@@ -12,8 +12,11 @@
 #include "bench/campaign/check_trends.h"
 #include "bench/campaign/quality.h"
 #include "bench/campaign/sample_totals.h"
+#include "bench/campaign/trail.h"
+#include "bench/integrity/campaign_integrity.h"
 #include "bench/life/campaign_lives.h"
 #include "bench/page/trend_lines.h"
+#include "bench/report/load_history.h"
 
 namespace strainwave::bench {
 
@@ -47,8 +50,13 @@ struct CampaignSheet {
   std::optional<double> first_k2_Nm_per_rad;
   std::vector<StopDistance> stops;  // of the last complete cycle
   std::vector<CampaignLimit> limits;
-  std::string no_forecast;  // why not, in words; empty: `limits` holds forecasts
-  std::string verified;     // what `strainwave verify` says, in a line
+  std::string no_forecast;      // why not, in words; empty: `limits` holds forecasts
+  CampaignIntegrity integrity;  // as `strainwave verify` finds it
+  std::string verified;         // the same in a line
+  std::vector<TrailEntry> trail;
+  CutPhases cut;
+  LoadHistory load;
+  std::vector<LoadRunShare> load_runs;
   std::string hysteresis_svg;
   std::string transmission_error_svg;
   std::string no_pictures;  // why not, in words

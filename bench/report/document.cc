@@ -9,14 +9,12 @@ namespace strainwave::bench {
 namespace {
 
 std::vector<ReportSection> SectionsOf(const CampaignSheet& sheet, std::vector<std::string>& warnings) {
-  return {SubjectSection(sheet),     ScheduleSection(sheet),
-          ChangesSection(sheet),     TrendsSection(sheet, warnings),
-          CyclesSection(sheet),      CurvesSection(sheet),
-          StopSection(sheet),        ChecksSection(sheet),
-          CalibrationSection(sheet), PeopleSection(sheet),
-          HolesSection(sheet),       SamplesSection(sheet),
-          AlarmsSection(sheet),      EventsSection(sheet),
-          VerifiedSection(sheet)};
+  return {
+      SubjectSection(sheet), ScheduleSection(sheet),    ChangesSection(sheet), TrendsSection(sheet, warnings),
+      CyclesSection(sheet),  CurvesSection(sheet),      LoadSection(sheet),    StopSection(sheet),
+      ChecksSection(sheet),  CalibrationSection(sheet), PeopleSection(sheet),  HolesSection(sheet),
+      KeptSection(sheet),    SamplesSection(sheet),     AlarmsSection(sheet),  EventsSection(sheet),
+      TrailSection(sheet),   VerifiedSection(sheet)};
 }
 
 // Of one campaign among several: which it is stands in titles and names of files.
@@ -30,12 +28,14 @@ void Number(std::size_t number, const CampaignSheet& sheet, ReportSection& secti
 
 }  // namespace
 
-ReportDocument ReportDocumentOf(std::span<const CampaignSheet> sheets, std::vector<std::string>& warnings) {
+ReportDocument ReportDocumentOf(std::span<const CampaignSheet> sheets,
+                                const std::vector<ReportSection>& filed, std::vector<std::string>& warnings) {
   ReportDocument document;
   if (sheets.size() == 1) {
     document.title = fmt::format("Life test of {}: {}", sheets.front().inputs.schedule.specimen.identity,
                                  sheets.front().name);
     document.sections = SectionsOf(sheets.front(), warnings);
+    document.sections.insert(document.sections.end(), filed.begin(), filed.end());
     return document;
   }
   document.title = fmt::format("Life tests: {} campaigns", sheets.size());
@@ -48,6 +48,7 @@ ReportDocument ReportDocumentOf(std::span<const CampaignSheet> sheets, std::vect
       document.sections.push_back(std::move(section));
     }
   }
+  document.sections.insert(document.sections.end(), filed.begin(), filed.end());
   return document;
 }
 

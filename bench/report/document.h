@@ -36,7 +36,9 @@ struct ReportDocument {
 };
 
 /// One campaign, or several beside each other: trends overlaid first, then each by itself.
+/// @param filed  sections that do not come from the campaigns (`filed_papers.h`); at the end.
 /// @param warnings  what could not be shown is added.
-ReportDocument ReportDocumentOf(std::span<const CampaignSheet> sheets, std::vector<std::string>& warnings);
+ReportDocument ReportDocumentOf(std::span<const CampaignSheet> sheets,
+                                const std::vector<ReportSection>& filed, std::vector<std::string>& warnings);
 
 }  // namespace strainwave::bench

@@ -12,6 +12,7 @@ namespace strainwave::bench {
 namespace {
 
 constexpr std::size_t kRowsShown = 60;
+constexpr std::size_t kLongestWord = 24;  // bytes
 
 constexpr const char* kStyle = R"(
 @page { size: A4; margin: 16mm 14mm; }
@@ -20,7 +21,8 @@ h1 { font-size: 1.7em; margin: 0 0 .3em; }
 h2 { font-size: 1.25em; margin: 1.6em 0 .4em; border-bottom: 1px solid #888; break-after: avoid; }
 p { margin: .4em 0; }
 table { border-collapse: collapse; margin: .6em 0; font-size: .9em; }
-th, td { border-bottom: 1px solid #ccc; padding: .15em .6em .15em 0; text-align: left; vertical-align: top; overflow-wrap: anywhere; }
+th, td { border-bottom: 1px solid #ccc; padding: .15em .6em .15em 0; text-align: left; vertical-align: top; overflow-wrap: break-word; }
+td.long { overflow-wrap: anywhere; }
 th { border-bottom: 1px solid #444; overflow-wrap: normal; }
 td.number { white-space: nowrap; font-variant-numeric: tabular-nums; }
 thead { display: table-header-group; }
@@ -57,16 +59,36 @@ std::string HtmlText(std::string_view text) {
   return html;
 }
 
+// A number, one with its error, or from one to another: stands in one line.
 bool LooksLikeNumber(std::string_view text) {
+  if (const std::size_t to = text.find(" to "); to != text.npos && to > 0)
+    return LooksLikeNumber(text.substr(0, to)) && LooksLikeNumber(text.substr(to + 4));
   const std::size_t sign = !text.empty() && (text[0] == '-' || text[0] == '+') ? 1 : 0;
   return text == "–" || (text.size() > sign && text[sign] >= '0' && text[sign] <= '9' &&
                          text.find_first_not_of("0123456789.+-e ±*") == std::string_view::npos);
 }
 
+// A word that no column has room for may be broken anywhere; names and words of people's languages are not.
+bool HasLongWord(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    if (end - at > kLongestWord) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+// "2026-03-01T12:00:00.250Z".
+bool IsTime(std::string_view text) { return text.size() == 24 && text[10] == 'T' && text.back() == 'Z'; }
+
+std::string_view ClassOf(std::string_view cell) {
+  if (LooksLikeNumber(cell) || IsTime(cell)) return " class=\"number\"";
+  return HasLongWord(cell) ? " class=\"long\"" : "";
+}
+
 std::string RowHtml(const std::vector<std::string>& row) {
   std::string html = "<tr>";
-  for (const std::string& cell : row)
-    html += fmt::format("<td{}>{}</td>", LooksLikeNumber(cell) ? " class=\"number\"" : "", HtmlText(cell));
+  for (const std::string& cell : row) html += fmt::format("<td{}>{}</td>", ClassOf(cell), HtmlText(cell));
   return html + "</tr>\n";
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/report/number_text.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,16 +11,44 @@
 #include "bench/plots/script.h"
 
 namespace strainwave::bench {
+namespace {
+
+// Of "-0.00 ± 0.13".
+std::string WithoutSignOfZero(std::string text) {
+  if (text.starts_with('-') && text.substr(0, text.find(' ')).find_first_of("123456789") == text.npos)
+    text.erase(0, 1);
+  return text;
+}
+
+}  // namespace
+
+std::string Fixed(double value, int decimals) {
+  return WithoutSignOfZero(fmt::format("{:.{}f}", value, decimals));
+}
+
+namespace {
+
+std::string FourDigits(double value) {
+  if (!std::isfinite(value)) return "–";
+  constexpr double kLeastFixed = 1e-3;
+  constexpr double kMostFixed = 1e7;
+  const double size = std::abs(value);
+  if (value == 0.0 || size < kLeastFixed || size >= kMostFixed)
+    return WithoutSignOfZero(fmt::format("{:.4g}", value));
+  return Fixed(value, std::max(0, 3 - static_cast<int>(std::floor(std::log10(size)))));
+}
+
+}  // namespace
 
 std::string FiveDigits(double value) { return std::isfinite(value) ? fmt::format("{:.5g}", value) : "–"; }
 
 std::string With95(const analysis::Estimate& estimate) {
   const double half_width = analysis::HalfWidthOf95(estimate);
   if (!std::isfinite(estimate.value) || !std::isfinite(half_width) || half_width <= 0.0)
-    return FiveDigits(estimate.value);
+    return FourDigits(estimate.value);
   std::string text = EstimateText({estimate.value, half_width}, "");
   text.pop_back();  // the space before a unit
-  return text;
+  return WithoutSignOfZero(std::move(text));
 }
 
 std::string DurationWords(double time_s) {

@@ -16,9 +16,13 @@ ReportSection ScheduleSection(const CampaignSheet& sheet);
 
 ReportSection PeopleSection(const CampaignSheet& sheet);
 ReportSection HolesSection(const CampaignSheet& sheet);
+ReportSection KeptSection(const CampaignSheet& sheet);  // what could have been lost
 ReportSection SamplesSection(const CampaignSheet& sheet);
 ReportSection AlarmsSection(const CampaignSheet& sheet);
 ReportSection EventsSection(const CampaignSheet& sheet);
+ReportSection TrailSection(const CampaignSheet& sheet);
+
+ReportSection LoadSection(const CampaignSheet& sheet);  // rainflow, Miner
 
 ReportSection ChangesSection(const CampaignSheet& sheet);
 ReportSection CyclesSection(const CampaignSheet& sheet);

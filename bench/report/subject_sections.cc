@@ -23,6 +23,18 @@ double UsedLifeShare(const CampaignSheet& sheet) {
          LifeShare(schedule.specimen, plan.cycle_load_blocks) * sheet.complete;
 }
 
+// Of load runs alone, which the plan's share has beside the measurements.
+std::string MeasuredWords(const CampaignSheet& sheet) {
+  double measured = 0.0;
+  int runs_measured = 0;
+  for (const LoadRunShare& run : sheet.load_runs) {
+    measured += run.measured;
+    runs_measured += run.runs_measured;
+  }
+  return runs_measured == 0 ? "not measured"
+                            : fmt::format("{:.3g} % by the load runs as measured", 100.0 * measured);
+}
+
 // Of all runs, each once, in the order in which they came.
 std::string SoftwareOf(const CampaignSheet& sheet) {
   std::vector<std::string> versions;
@@ -58,8 +70,8 @@ ReportSection SubjectSection(const CampaignSheet& sheet) {
        {"bench time", fmt::format("{:.4g} h, of which {:.4g} h of load credited", sheet.bench_time_s / 3600.0,
                                   sheet.load_s / 3600.0)},
        {"bearing life used up",
-        fmt::format("{:.3g} % of L10, by the load of complete cycles as planned (cube law, Miner)",
-                    100.0 * UsedLifeShare(sheet))},
+        fmt::format("{:.3g} % of L10, by the load of complete cycles as planned (cube law, Miner); {}",
+                    100.0 * UsedLifeShare(sheet), MeasuredWords(sheet))},
        {"software", SoftwareOf(sheet)},
        {"SHA-256 of the schedule", OrNone(PropertyOf(sheet, "schedule_sha256"))},
        {"SHA-256 of the bench file", OrNone(PropertyOf(sheet, "bench_sha256"))},

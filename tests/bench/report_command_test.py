@@ -12,11 +12,13 @@ import re
 import shutil
 import sqlite3
 import statistics
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import zlib
 
 PROGRAM, SCHEDULE = "", ""
 HOSTILE = "<script>alert(1)</script> & \"grease\", it's\u202enew"
@@ -27,6 +29,15 @@ VOID = {"meta", "br", "img", "link", "hr"}
 def run(*arguments):
     done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False)
     return done.returncode, done.stdout, done.stderr
+
+
+def seal(path):
+    """Checksums in every page, as bench/campaign/page_checksums.h says."""
+    content = bytearray(path.read_bytes())
+    for number in range(len(content) // 4096):
+        crc = zlib.crc32(content[4096 * number:4096 * number + 4088], zlib.crc32(struct.pack("<I", number + 1)))
+        content[4096 * number + 4088:4096 * number + 4096] = struct.pack("<II", crc, crc ^ 0xFFFFFFFF)
+    path.write_bytes(content)
 
 
 class Page(html.parser.HTMLParser):
@@ -123,13 +134,21 @@ class Report(unittest.TestCase):
         with (self.folder / folder / name).open(newline="") as file:
             return list(csv.reader(file))
 
+    @staticmethod
+    def is_loading(file):
+        journal = sqlite3.connect(f"file:{file}?mode=ro", uri=True)
+        try:
+            return bool(journal.execute("SELECT 1 FROM phases WHERE cycle = 1 AND kind = 'load_run' AND outcome = 'running'").fetchone())
+        finally:
+            journal.close()
+
     def results(self, quantity):
         return {cycle: (value, error) for cycle, value, error in self.journal(
             f"SELECT cycle, value, standard_error FROM results WHERE quantity = '{quantity}' AND repeat = 0 AND cycle > 0")}
 
     def test_says_what_it_wrote(self):
         self.assertEqual(self.told, "")
-        self.assertRegex(self.said, r"\A\S*r\.html: 1 campaign, 15 sections, \d+\.\d [kM]B\n\S*tables: 1\d tables as CSV\n\Z")
+        self.assertRegex(self.said, r"\A\S*r\.html: 1 campaign, 21 sections, \d+\.\d [kM]B\n\S*tables: 1\d tables as CSV\n\Z")
 
     def test_loads_nothing_and_runs_nothing(self):
         self.assertNotRegex(self.text, r"https?:")
@@ -145,10 +164,10 @@ class Report(unittest.TestCase):
     def test_every_section_is_there(self):
         self.assertEqual(self.page.headings, [
             "Life test of SIM <i>&1: c", "Specimen, bench and version", "Schedule", "What has changed", "Trends",
-            "Results over cycles", "First and last measurement", "Stop criteria, and when they will be met", "Sensor checks",
-            "Calibrations", "People and notes", "Interruptions, and the rule that makes it one test", "Samples lost",
-            "Alarms", "Events",
-            "Whether it is still what was written"])
+            "Results over cycles", "First and last measurement", "Load that really ran", "Stop criteria, and when they will be met", "Sensor checks",
+            "Calibrations", "People and notes", "Interruptions, and the rule that makes it one test",
+            "What could have been lost, and was not", "Samples lost", "Alarms", "Events", "Trail of acts, edits and notes",
+            "Whether it is still what was written", "Fault and trip tests", "Diagnosis", "Predictor"])
 
     def test_what_there_is_none_of_is_said(self):
         for words in ("No alarm was ever raised.", "It was never interrupted.", "The schedule checks no sensor.",
@@ -234,6 +253,80 @@ class Report(unittest.TestCase):
                       f"{verified['chain']['head']}, 11 complete cycles; files: {verified['counts']['whole']} whole, 0 damaged, 0 "
                       "missing.", self.page.words)
 
+    def test_the_bearings_life_is_that_of_the_equivalent_time(self):
+        (equivalent_s,), = self.journal("SELECT SUM(value) FROM results WHERE quantity = 'load_run_equivalent_s'")
+        row, = self.page.table("load run", "runs")
+        self.assertEqual((row[0], row[1], row[3]), ("load_run", "10", "10"))
+        # 40 Nm and 2400 rpm beside 34 Nm, 2000 rpm and 7000 h.
+        self.assertAlmostEqual(float(row[4]) / (100 * equivalent_s / 7000 / 3600 * (40 / 34) ** 3 * 2400 / 2000), 1.0, 3)
+        self.assertLess(abs(float(row[2]) / float(row[4]) - 1), 0.2)
+
+    def test_ranges_of_the_torque_are_those_of_the_plan(self):
+        rows = self.page.table("range from (Nm)", "to (Nm)")
+        reversals = next(row for row in rows if row[0] == "80")
+        cycles, planned = float(reversals[2]), float(reversals[5])
+        # Ten load runs of 5 s, a way of 80 turns at 40 in a second: three ways, so there and back once.
+        self.assertAlmostEqual(cycles, 10, delta=1)
+        self.assertAlmostEqual(planned, 10, delta=1)
+        loops = next(row for row in rows if row[0] == "65")
+        # Both lock angles of ten cycles and five repeats, without the blank test; rows in the wrong order would be ranges of their own.
+        self.assertEqual((loops[2], loops[5]), ("30.0", "30.0"))
+        self.assertEqual([row for row in rows if 10 <= float(row[0]) < 30], [])
+        for row in rows:
+            if float(row[2]) > 0:
+                self.assertLess(abs(float(row[3])), 42)
+        self.assertTrue(any("counted as rainflow (ASTM E1049-85) over 11 cycle file(s)" in words for words in self.page.words))
+
+    def test_the_trail_has_each_act_with_its_link(self):
+        rows = self.page.table("link", "UTC", "who", "kind")
+        links = self.journal("SELECT number, kind, sha256 FROM chain WHERE kind NOT IN ('cycle', 'file') ORDER BY number")
+        self.assertEqual([(int(row[0]), row[3], row[5]) for row in rows], [(link[0], link[1], link[2][:12]) for link in links])
+        self.assertTrue(all(row[6] == "yes" for row in rows))
+        note = next(row for row in rows if row[3] == "note")
+        self.assertEqual((note[2], note[4]), (HOSTILE_NAME, HOSTILE.replace("\u202e", "\\u202e")))
+        (count, head), = self.journal("SELECT number, sha256 FROM chain ORDER BY number DESC LIMIT 1")
+        self.assertTrue(any(f"The chain holds: {count} links were computed again, the last is {head}." in words for words in self.page.words))
+
+    def test_a_changed_note_breaks_the_chain(self):
+        shutil.copytree(self.folder / "c", self.folder / "forged")
+        with sqlite3.connect(self.folder / "forged/campaign.db") as journal:
+            journal.execute("UPDATE operator_notes SET author = 'B. Meier'")
+        journal.close()
+        seal(self.folder / "forged/campaign.db")
+        code, _, told = run("report", self.folder / "forged", "--out", self.folder / "f.html")
+        self.assertEqual(code, 0, told)
+        page = Page((self.folder / "f.html").read_text())
+        note = next(row for row in page.table("link", "UTC", "who", "kind") if row[3] == "note")
+        self.assertEqual((note[2], note[6]), ("B. Meier", "no: its row, or the link before it, is not the one that was chained"))
+        self.assertTrue(any("The chain does not hold: 1 of " in words for words in page.words))
+
+    def test_what_was_not_lost_is_told(self):
+        for words in ("The program has watched the bench from the first cycle to the last event.", "No phase was cut.",
+                      "Of 11 cycles, the preparation among them, 11 raw files are whole and none is lost."):
+            self.assertIn(words, self.page.words)
+
+    def test_a_cut_is_told_with_what_was_kept(self):
+        cut = self.folder / "cut"
+        schedule = self.folder / "cut.yaml"
+        schedule.write_text(self.schedule.read_text().replace("cycles: 10", "cycles: 1").replace("duration: 5 s", "duration: 20 min"))
+        with subprocess.Popen([PROGRAM, "run", schedule, "--out", cut, "--pace", "400"], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL) as ran:
+            checkpoints = set()
+            while ran.poll() is None and len(checkpoints) < 3:  # while load is served
+                if (cut / "checkpoint").exists() and self.is_loading(cut / "campaign.db"):
+                    checkpoints.add((cut / "checkpoint").read_bytes())
+                time.sleep(0.01)
+            ran.kill()
+        code, _, told = run("run", schedule, "--out", cut, "--resume", "--accept-pause")
+        self.assertEqual(code, 0, told)
+        code, _, told = run("report", cut, "--out", self.folder / "cut.html")
+        self.assertEqual(code, 0, told)
+        page = Page((self.folder / "cut.html").read_text())
+        self.assertIn("The bench was out of the program's sight once: see the interruptions.", page.words)
+        self.assertTrue(any(re.match(r"Cut were 1 load run\(s\) and 0 other phase\(s\)\. Of the load runs .* of load were kept and not run "
+                                     r"again; .* 1 cycle\(s\) in which that happened 1 are complete\.", words) for words in page.words), page.words)
+        self.assertTrue(any(row[3] == "hole" for row in page.table("link", "UTC", "who", "kind")))
+
     def test_damage_is_told_and_the_rest_shown(self):
         shutil.copytree(self.folder / "c", self.folder / "damaged")
         file = self.folder / "damaged/cycles/000001.h5"
@@ -248,8 +341,8 @@ class Report(unittest.TestCase):
 
     def test_csv_has_the_same_numbers(self):
         self.assertEqual(sorted(path.name for path in (self.folder / "tables").iterdir()), [
-            "calibrations.csv", "changes.csv", "cycles.csv", "events.csv", "notes.csv", "orders.csv", "people.csv",
-            "schedule.csv", "stop_criteria.csv", "subject.csv"])
+            "calibrations.csv", "changes.csv", "cycles.csv", "events.csv", "load_life.csv", "load_ranges.csv", "notes.csv", "orders.csv",
+            "people.csv", "schedule.csv", "stop_criteria.csv", "subject.csv", "trail.csv"])
         run("table", self.folder / "c", "--out", self.folder / "t.csv")
         self.assertEqual((self.folder / "tables/cycles.csv").read_bytes(), (self.folder / "t.csv").read_bytes())
         self.assertEqual(self.csv("changes.csv")[1:], self.page.table("quantity", "first", "last", "change"))

@@ -75,6 +75,19 @@ TEST(CycleFile, ReadsBackToTheSameBits) {
   }
 }
 
+TEST(CycleFile, ReadsTheColumnsAskedForAlone) {
+  const ScratchFolder folder;
+  WriteRecordsAtomically(folder / "000017.h5", Samples(), kAttributes);
+  const std::string_view wanted[] = {"torque_Nm", "not_there"};
+  const CycleFile read = ReadCycleFile(folder / "000017.h5", Checking::kNone, wanted);
+  EXPECT_EQ(read.attributes, kAttributes);
+  ASSERT_EQ(read.records.size(), 3U);
+  EXPECT_TRUE(read.records[0].record.columns.empty());
+  ASSERT_EQ(read.records[1].record.columns.size(), 1U);
+  EXPECT_EQ(read.records[1].record.kind, SampleLoop().kind);
+  EXPECT_EQ(read.records[1].record.CopyAsDoubles("torque_Nm"), SampleLoop().CopyAsDoubles("torque_Nm"));
+}
+
 // Read by the library alone, so that nobody's reader grades its own writer.
 TEST(CycleFile, SaysWhichProgramHasWrittenIt) {
   const ScratchFolder folder;
