@@ -236,7 +236,8 @@ TEST(FindSaturated, FindsNoneInALoadThatIsHeldElsewhereToo) {
   std::vector<double> values = Way(700, 200.0, 0.3);
   for (double& value : values) value = std::min(1e-3 * std::round(value / 1e-3), 170.0);
   ASSERT_EQ(FindSaturated(values).size(), 1U);
-  values.insert(values.begin() + 40, 400, values[40]);
+  const auto between = std::ranges::find_if(values, [](double value) { return std::abs(value) < 100.0; });
+  values.insert(between, 400, double(*between));
   EXPECT_TRUE(FindSaturated(values).empty());
 }
 

@@ -132,8 +132,10 @@ void AddRipples(const SharedGrid& grid, const MotionUnits& units, SeparableModel
         "a friction that repeats with position, against the motion: a seal or bearing off centre, teeth or "
         "rolling elements that run tight",
         "# the same turns both ways: a friction changes its sign with the direction, a torque does not\n"
-        "- {kind: measurement_rotation, turns: 1, direction: both, output_torque: 0 Nm, input_speed: 100 "
-        "rpm}\n");
+        "- {kind: measurement_rotation, name: there, turns: 1, direction: cw, output_torque: 0 Nm, "
+        "input_speed: 100 rpm}\n"
+        "- {kind: measurement_rotation, name: back, turns: 1, direction: ccw, output_torque: 0 Nm, "
+        "input_speed: 100 rpm}\n");
   }
 }
 
