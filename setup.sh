@@ -234,8 +234,10 @@ check_tidy() {
     git ls-files '*.cc' ':!tests' | xargs -P "$(nproc)" -n 4 clang-tidy-14 --quiet -p build-files
 }
 
-# All tests but the sets that are run here by the program itself, and count names instead of memory errors.
+# All tests but the sets that are run here by the program itself, and count names instead of memory errors. Signals
+# are left to the program, whose own handlers stop the bench.
 check_sanitized() {
+  local -x ASAN_OPTIONS=handle_segv=0:handle_sigbus=0:handle_sigfpe=0:handle_sigill=0:handle_abort=0
   cmake --preset "$1" --log-level=WARNING >/dev/null &&
     cmake --build --preset "$1" --parallel "$(nproc)" &&
     ctest --preset "$1" --parallel "$(nproc)" --exclude-regex '^(blind_(fixed_set|clean_set|shared)|loggers_fixed_set)'

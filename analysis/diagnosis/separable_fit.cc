@@ -41,6 +41,7 @@ Eigen::VectorXd SolveNormal(Eigen::MatrixXd gram, Eigen::VectorXd right, double 
 // Products of columns with each other.
 Eigen::MatrixXd SquaresOf(const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  if (columns.cols() == 0) return lower;  // Eigen binds a reference to its first element
   lower.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
   return lower.selfadjointView<Eigen::Lower>();
 }

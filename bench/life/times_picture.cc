@@ -63,7 +63,7 @@ std::optional<std::filesystem::path> DrawTimes(const TimesReport& report, const 
   }
   std::string script = DataBlock("points", {points.time, points.height}) +
                        DataBlock("law", {height, time, low, high}) + CommonStyle();
-  script += "set logscale x\nset xlabel " + Quoted("time in " + report.unit) +
+  script += "set rmargin 5\nset logscale x\nset xlabel " + Quoted("time in " + report.unit) +
             "\nset ylabel 'failed in %'\nset ytics (";
   std::string tics;
   for (const double percent : {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 63.2, 90.0, 99.0})

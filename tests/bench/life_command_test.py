@@ -104,13 +104,16 @@ class Life(unittest.TestCase):
         self.assertLess(b10["value"], found["modes"]["fracture"]["quantiles"]["B10"]["value"])
         self.assertGreater(b10["low"], 0)
 
-    def test_draws_weibull_paper(self):
-        table = "time_h,status\n1200,failed\n1900,failed\n2400,failed\n2600,suspended\n"
-        ran = self.life(table, "--plots", "pictures")
+    def test_draws_the_weibull_paper_of_the_docs(self):
+        """docs/life_weibull.svg is this picture; to renew it, copy what the program draws of the table in docs/life.md."""
+        table = "time_h,status\n1200,failed\n1900,failed\n2400,failed\n2600,suspended\n2600,suspended\n"
+        ran = self.life(table, "--at", "1000", "--plots", "pictures")
         self.assertEqual(ran.returncode, 0, ran.stderr)
         self.assertIn("picture: pictures/weibull.svg (and .png)\n", ran.stdout)
         svg = (self.folder / "pictures/weibull.svg").read_text()
         self.assertIn("failures at median ranks", svg)
+        docs = pathlib.Path(__file__).parents[2] / "docs/life_weibull.svg"
+        self.assertEqual(svg, docs.read_text(), "docs/life_weibull.svg is another picture")
 
     def test_no_failure_and_no_shape_is_refused(self):
         self.assert_refused("time_h,status,count\n1750,suspended,5\n",
