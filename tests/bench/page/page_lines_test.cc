@@ -79,7 +79,8 @@ TEST(TrendLines, SayWhereTheScheduleEndsTheCampaign) {
   EXPECT_TRUE(TrendLinesJson(journal, {}, asked)[kK2]["stop"].is_null());
 }
 
-// By hand: 100 at first and 0.1 less each cycle, so that 90 % of the first value, of cycle 1, is met at cycle 101.
+// By hand: 100 at first and 0.1 less each cycle, so that 90 % of the first value, of cycle 1, is met at cycle
+// 101.
 TEST(TrendLines, ForecastWhenTheScheduleEndsTheCampaign) {
   const daq::ScratchFolder scratch;
   Journal journal = Journal::Create(scratch.path() / "campaign.db");
