@@ -117,27 +117,11 @@ Ends EndsOf(std::span<const double> values) {
   return {low, high};
 }
 
-// A command in stairs: it rests at many levels, for much of the time, so that nothing is told of its noise by
-// how it goes from one to the next.
-bool RestsOnStairs(std::span<const double> values) {
-  constexpr std::size_t kFewestRows = 4;
-  constexpr std::size_t kFewestLevels = 8;
-  constexpr double kLeastShare = 0.3;
-  std::set<double> levels;
-  std::size_t rows = 0;
-  for (const Run& rest : StandingSegments(values, kFewestRows)) {
-    levels.insert(values[rest.first]);
-    rows += rest.count;
-  }
-  return levels.size() >= kFewestLevels &&
-         static_cast<double>(rows) >= kLeastShare * static_cast<double>(values.size());
-}
-
 // Chance that the signal's own noise gives a value once more, to the last digit; nothing where it has no
 // noise that is seen.
 std::optional<double> ChanceOfRepeat(std::span<const double> values) {
   constexpr double kVisibleNoise = 2.0;  // steps: less, and a value often comes again
-  if (values.size() < 16 || RestsOnStairs(values)) return std::nullopt;
+  if (values.size() < 16) return std::nullopt;
   const double step = ResolutionOf(values);
   const double noise = NoiseWhereItMoves(values);
   if (!(noise > kVisibleNoise * step)) return std::nullopt;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/campaign/quality.h"
-
 namespace strainwave::bench {
 namespace {
 
@@ -49,17 +47,10 @@ CampaignLimit LimitOf(const std::string& quantity, const ResultSeries& series, d
   return of;
 }
 
-std::vector<CampaignLimit> StopForecasts(const Journal& journal, const schedules::StopCriteria& stop,
-                                         std::span<const std::string> quantities, double level) {
-  const auto first_k2 = stop.k2_below_share_of_first ? FirstK2_Nm_per_rad(journal) : std::nullopt;
-  std::map<std::string, double> limits;
+std::vector<CampaignLimit> LimitForecasts(const Journal& journal, const std::map<std::string, double>& limits,
+                                          double level) {
   std::vector<std::string> limited;
-  for (const std::string& quantity : quantities) {
-    if (const auto limit = StopLimitOf(stop, first_k2, quantity)) {
-      limits[quantity] = limit->limit;
-      limited.push_back(quantity);
-    }
-  }
+  for (const auto& [quantity, limit] : limits) limited.push_back(quantity);
   std::map<std::string, ResultSeries> series;
   if (!limited.empty() && journal.LastCompleteCycle() > 0)
     journal.ForEachResultOf(limited, 1, journal.LastCompleteCycle(),

@@ -3,13 +3,11 @@
 
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "analysis/reliability/limit_forecast.h"
 #include "bench/campaign/journal.h"
-#include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
 
@@ -41,8 +39,8 @@ struct CampaignLimit {
 /// @param series  of kFewestCyclesOfTrend cycles at least. @param level  of the forecast's interval.
 CampaignLimit LimitOf(const std::string& quantity, const ResultSeries& series, double limit, double level);
 
-/// Of those quantities that have a stop criterion and cycles enough. @throws DatabaseError.
-std::vector<CampaignLimit> StopForecasts(const Journal& journal, const schedules::StopCriteria& stop,
-                                         std::span<const std::string> quantities, double level);
+/// Of those quantities that have cycles enough. @param limits  by quantity. @throws DatabaseError.
+std::vector<CampaignLimit> LimitForecasts(const Journal& journal, const std::map<std::string, double>& limits,
+                                          double level);
 
 }  // namespace strainwave::bench

@@ -57,10 +57,12 @@ nlohmann::json TrendLinesJson(const Journal& journal, const schedules::StopCrite
   const auto baselines = BaselineLimitsOf(journal, quantities);
   const auto first_k2 = stop.k2_below_share_of_first ? FirstK2_Nm_per_rad(journal) : std::nullopt;
   json lines = json::object();
+  std::map<std::string, double> stop_limits;
   for (const std::string& quantity : quantities) {
     json& line = lines[quantity] = {{"stop", nullptr}, {"forecast", nullptr}, {"control", nullptr}};
     if (const auto limit = StopLimitOf(stop, first_k2, quantity)) {
       line["stop"] = {{limit->is_lower ? "below" : "above", limit->limit}};
+      stop_limits[quantity] = limit->limit;
     }
     const auto baseline = baselines.find(quantity);
     if (baseline == baselines.end()) continue;
@@ -70,7 +72,7 @@ nlohmann::json TrendLinesJson(const Journal& journal, const schedules::StopCrite
   }
   constexpr double kLevel = 0.95;
   const auto number = [](double cycle) { return std::isfinite(cycle) ? json(cycle) : json(); };
-  for (const CampaignLimit& limit : StopForecasts(journal, stop, quantities, kLevel)) {
+  for (const CampaignLimit& limit : LimitForecasts(journal, stop_limits, kLevel)) {
     if (!limit.forecast.is_approached) continue;
     lines[limit.quantity]["forecast"] = {{"cycle", number(limit.forecast.cycle)},
                                          {"low", number(limit.forecast.interval.low)},
