@@ -193,6 +193,13 @@ std::string WordsOf(const Judge& judge, const ModelFit& fit, std::span<const Fin
       judge.weights(), judge.parallel());
 }
 
+// The extended model without what has no name, held out.
+std::vector<double> HeldOutAsSimulated(const Judge& judge, const ModelFit& extended, bool local) {
+  std::vector<std::size_t> simulated = extended.causes;
+  std::erase_if(simulated, [&](std::size_t cause) { return IsNuisanceTerm(judge.study().causes()[cause]); });
+  return judge.HeldOut(simulated == extended.causes ? extended : judge.Fit(simulated, &extended).fit, local);
+}
+
 }  // namespace
 
 Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
@@ -295,6 +302,8 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
                       : described               ? Verdict::kUnnamedStructure
                                                 : Verdict::kNoEffect;
   const std::vector<double> left = ResidualsOf(study, extended.fit);
+  const std::vector<double> as_simulated = HeldOutAsSimulated(*judge, extended.fit, local);
+  diagnosis.trusted = FindTrustedRegions(study, diagnosis.weights, left, {before, as_simulated});
   const double nominal_variance = diagnosis.nominal_heldout_rmse * diagnosis.nominal_heldout_rmse;
   const double extended_variance = diagnosis.extended_heldout_rmse * diagnosis.extended_heldout_rmse;
   if (nominal_variance > 0.0) {

@@ -8,6 +8,7 @@
 
 #include "analysis/diagnosis/simulated_null.h"
 #include "analysis/diagnosis/study.h"
+#include "analysis/diagnosis/trusted_regions.h"
 #include "analysis/parallel_for.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -70,6 +71,9 @@ struct Diagnosis {
   std::vector<CandidateResult> candidates;  // all, strongest first
   GainEstimate gain;
   Unexplained residual;
+  /// Of the nominal model, and of the extended one as it is simulated: structure without a name is in
+  /// neither.
+  TrustedRegions trusted;
   /// In words, what the records leave open of the numbers above, of both models.
   std::vector<std::string> open;
   std::vector<std::string> notes;  // what a reader should know: parameters out of range, outliers left out

@@ -50,8 +50,9 @@ struct ParameterRule {
 
 /// One way in which the nominal model may fall short.
 struct CauseRule {
-  std::string name{};      // of docs/contract.md; of a nuisance term what makes it ("line over output angle")
-  std::string sentence{};  // for a technician: what it is and what usually makes it
+  std::string name{};  // of docs/contract.md; of a nuisance term what makes it ("line over output angle")
+  std::string what_to_do{};  // for a technician: the next step, without a capital and a full stop
+  std::string sentence{};    // for a technician: what it is and what usually makes it
   Where where{Where::kUndecided};
   std::string effect{};  // a row of docs/effects.md, "E4"; or empty
   std::vector<ParameterRule> parameters{};

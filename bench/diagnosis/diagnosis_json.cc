@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "bench/diagnosis/extended_model.h"
+#include "bench/diagnosis/plain_words.h"
 #include "bench/diagnosis/power_report.h"
+#include "bench/diagnosis/trust_report.h"
 #include "daq/software.h"
 
 namespace strainwave::bench {
@@ -75,7 +77,8 @@ Json CausesJson(const DiagnosisReport& report) {
                       {"indistinguishable_from", finding.indistinguishable_from},
                       {"share_of_explainable_variance", Finite(finding.share_of_explainable)},
                       {"catalogue", rule.effect},
-                      {"sentence", rule.sentence}});
+                      {"sentence", rule.sentence},
+                      {"what_to_do", rule.what_to_do}});
     if (const diagnosis::NullEvidence& simulated = finding.simulated; simulated.simulated > 0) {
       causes.back()["simulated_without_it"] = {{"records", simulated.simulated},
                                                {"as_strong", simulated.as_strong},
@@ -153,6 +156,13 @@ Json UnexplainedJson(const DiagnosisReport& report) {
   return unexplained;
 }
 
+Json PlainWordsJson(const DiagnosisReport& report) {
+  const PlainWords words = PlainWordsOf(report);
+  return {{"what_is_missing", words.what_is_missing},
+          {"how_sure", words.how_sure},
+          {"what_to_do", words.what_to_do}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
@@ -160,6 +170,7 @@ nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
   const diagnosis::Study& study = *report.input.study;
   Json document{{"verdict", VerdictText(result.verdict)},
                 {"kind", NameOf(report.input.kind)},
+                {"plain_words", PlainWordsJson(report)},
                 {"nominal", NominalJson(report)},
                 {"causes", CausesJson(report)},
                 {"extended",
@@ -171,6 +182,7 @@ nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
                  {{"heldout_rmse_reduction", Finite(result.gain.reduction)},
                   {"ci95", {Finite(result.gain.low), Finite(result.gain.high)}}}},
                 {"unexplained", UnexplainedJson(report)},
+                {"trusted_regions", TrustJson(report)},
                 {"to_settle", MeasurementsToSettle(report)},
                 {"corrections", NuisanceTermsJson(report)},
                 {"candidates", CandidatesJson(report)},

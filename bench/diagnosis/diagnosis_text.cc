@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include <fmt/ranges.h>
 
 #include "bench/diagnosis/extended_model.h"
 #include "bench/diagnosis/parameter_words.h"
+#include "bench/diagnosis/plain_words.h"
 #include "bench/diagnosis/residual_views.h"
+#include "bench/diagnosis/trust_report.h"
 #include "bench/plots/script.h"
 #include "bench/text.h"
 
@@ -101,14 +102,6 @@ std::string ParametersText(const std::vector<ParameterValue>& parameters, bool d
 const ParameterValue* Find(const std::vector<ParameterValue>& values, std::string_view name) {
   const auto found = std::ranges::find(values, name, &ParameterValue::name);
   return found == values.end() ? nullptr : &*found;
-}
-
-// Those of the list by what they explain, largest first.
-std::vector<const diagnosis::Finding*> LargestFirst(const std::vector<diagnosis::Finding>& findings) {
-  std::vector<const diagnosis::Finding*> order;
-  for (const diagnosis::Finding& finding : findings) order.push_back(&finding);
-  std::ranges::stable_sort(order, std::greater<>(), &diagnosis::Finding::share_of_explainable);
-  return order;
 }
 
 std::string MeasuredText(const DiagnosisReport& report) {
@@ -272,6 +265,25 @@ std::string LooksText(const DiagnosisReport& report) {
                                     shares.front().title, 100.0 * shares.front().share));
 }
 
+std::string TrustText(const DiagnosisReport& report) {
+  const std::string noise =
+      Text("; noise {:.3g} {}", report.result.trusted.noise * report.input.study->unit_per_si(),
+           report.input.study->unit());
+  const std::string as_it_is = TrustWords(report, false);
+  if (report.result.causes.empty()) return Section("trusted", as_it_is + noise);
+  return Section("trusted", "as it is: " + as_it_is + noise) +
+         Section("", "with what was found: " + TrustWords(report, true));
+}
+
+std::string PlainText(const DiagnosisReport& report) {
+  const PlainWords words = PlainWordsOf(report);
+  std::string text;
+  if (!words.what_is_missing.empty())
+    text += Wrapped("What the simulation lacks:", words.what_is_missing + ".", 0);
+  text += Wrapped("How sure:", words.how_sure + ".", 0);
+  return text + Wrapped("What to do:", words.what_to_do + ".", 0);
+}
+
 std::string NextText(const DiagnosisReport& report) {
   const std::vector<std::string> entries = MeasurementsToSettle(report);
   if (entries.empty()) {
@@ -335,27 +347,11 @@ std::string VerdictSentence(const DiagnosisReport& report) {
              : Text("{} effects are missing in the simulation: {}.", names.size(), fmt::join(names, ", "));
 }
 
-std::string PlainSentence(const DiagnosisReport& report) {
-  const std::vector<diagnosis::Finding>& causes = report.result.causes;
-  if (causes.empty()) return {};
-  const diagnosis::Finding& largest = *LargestFirst(causes).front();
-  const std::string& sentence = report.input.study->causes()[largest.index].sentence;
-  // What it is; what usually makes it stands behind.
-  std::string text = "What the simulation lacks: " + sentence.substr(0, sentence.find_first_of(":;"));
-  text += Text(" ({:.0f} % of what it misses", 100.0 * largest.share_of_explainable);
-  if (causes.size() > 1) {
-    text +=
-        causes.size() == 2 ? ", and one smaller effect" : Text(", and {} smaller effects", causes.size() - 1);
-  }
-  return text + ").";
-}
-
 std::string DiagnosisText(const DiagnosisReport& report, bool details) {
-  const std::string plain = PlainSentence(report);
-  return (plain.empty() ? "" : plain + "\n") + Wrapped("", VerdictSentence(report), 0) + "\n" +
-         MeasuredText(report) + NominalText(report, details) + "\n" + FoundText(report, details) +
-         CorrectedText(report) + LooksText(report) + CandidatesText(report) + "\n" + GainText(report) +
-         RemainsText(report) + QuantitiesText(report) + "\n" + NextText(report);
+  return PlainText(report) + Wrapped("", VerdictSentence(report), 0) + "\n" + MeasuredText(report) +
+         NominalText(report, details) + "\n" + FoundText(report, details) + CorrectedText(report) +
+         LooksText(report) + CandidatesText(report) + "\n" + GainText(report) + RemainsText(report) +
+         TrustText(report) + QuantitiesText(report) + "\n" + NextText(report);
 }
 
 std::string FilesText(const std::filesystem::path& model,

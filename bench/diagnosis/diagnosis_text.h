@@ -9,15 +9,12 @@
 
 namespace strainwave::bench {
 
-/// A diagnosis for a technician: what is missing in plain words, the verdict in a sentence, what was
+/// A diagnosis for a technician: what is missing, how sure that is and what to do in
+/// plain words, the verdict in a sentence, what was
 /// measured, what was found with the largest first and the simulation's numbers corrected by it, every
 /// candidate with what speaks for or against it, the gain, what remains, and what to do next.
 /// @param details  with the numbers of every line and channel (IsDetail).
 std::string DiagnosisText(const DiagnosisReport& report, bool details);
-
-/// What explains most, without names: "What the simulation lacks: an error once per turn of the output (88 %
-/// of what it misses)." Empty where no cause was found.
-std::string PlainSentence(const DiagnosisReport& report);
 
 /// The verdict alone: "One effect is missing in the simulation: backlash (in the unit)."
 std::string VerdictSentence(const DiagnosisReport& report);

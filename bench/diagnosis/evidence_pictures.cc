@@ -9,6 +9,7 @@
 #include "bench/diagnosis/picture_frame.h"
 #include "bench/diagnosis/power_report.h"
 #include "bench/diagnosis/residual_views.h"
+#include "bench/diagnosis/trust_report.h"
 #include "bench/plots/gnuplot.h"
 #include "bench/plots/script.h"
 
@@ -97,7 +98,7 @@ std::vector<std::filesystem::path> DrawDiagnosis(const DiagnosisReport& report,
                                                  const std::function<void(double)>& progress) {
   const std::vector<diagnosis::Regressor>& regressors = report.input.study->regressors();
   std::vector<std::filesystem::path> pictures;
-  const double all = (report.power ? 5.0 : 4.0) + static_cast<double>(regressors.size());
+  const double all = (report.power ? 6.0 : 5.0) + static_cast<double>(regressors.size());
   const auto add = [&](const std::string& name, const auto& draw) {
     pictures.push_back(draw(folder / name));
     if (progress) progress(static_cast<double>(pictures.size()) / all);
@@ -118,6 +119,8 @@ std::vector<std::filesystem::path> DrawDiagnosis(const DiagnosisReport& report,
     });
   }
   if (!campaign) add("order_spectrum", [&](const auto& stem) { return DrawResidualSpectrum(report, stem); });
+  if (HasTrustedRegions(report))
+    add("trusted_regions", [&](const auto& stem) { return DrawTrustedRegions(report, stem); });
   if (!report.result.candidates.empty()) {
     add("candidates", [&](const auto& stem) { return DrawCandidates(report, stem); });
   }

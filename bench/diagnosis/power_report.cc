@@ -69,7 +69,7 @@ std::string WhatItIs(const CauseRule& rule) {
   return rule.sentence.substr(0, rule.sentence.find_first_of(":;"));
 }
 
-std::string PlainWords(const DiagnosisReport& report) {
+std::string SizesInWords(const DiagnosisReport& report) {
   std::string text;
   for (const CausePower& power : report.power->causes) {
     if (!power.size) continue;
@@ -163,7 +163,7 @@ std::string PowerText(const DiagnosisReport& report, const std::string& duration
   if (!report.power) return {};
   const diagnosis::DetectionPower& power = *report.power;
   if (!power.refusal.empty()) return Text("\npower        not measured: {}\n", power.refusal);
-  const std::string plain = PlainWords(report);
+  const std::string plain = SizesInWords(report);
   std::string text =
       plain.empty()
           ? Text("\npower        no effect of any size would have been found here nine times of ten")

@@ -101,6 +101,72 @@ void AppendPower(const Json& power, ReportSection& section) {
       ListWords(power.at("not_shown"))));
 }
 
+std::string ResultWords(const std::string& result) {
+  return result == "too_few_samples" ? "too few samples" : result;
+}
+
+// Neighbouring ranges in which both models do as well are one row.
+void AppendRegions(const Json& over, ReportTable& table) {
+  const auto title = over.at("title").get<std::string>();
+  for (const Json& range : over.at("ranges")) {
+    const Json& nominal = range.at("nominal");
+    const Json& extended = range.at("extended");
+    const std::string as_it_is = ResultWords(nominal.at("result").get<std::string>());
+    const std::string as_found = ResultWords(extended.at("result").get<std::string>());
+    const std::string from = fmt::format("{:.4g}", range.at("low").get<double>());
+    const std::string to = fmt::format("{:.4g}", range.at("high").get<double>());
+    std::vector<std::string>* const last = table.rows.empty() ? nullptr : &table.rows.back();
+    if (last != nullptr && (*last)[0] == title && (*last)[2] == from && (*last)[4] == as_it_is &&
+        (*last)[6] == as_found) {
+      (*last)[2] = to;
+      const auto larger = [](std::string& text, double value) {
+        if (value > std::stod(text)) text = fmt::format("{:.3g}", value);
+      };
+      larger((*last)[3], nominal.at("rmse").get<double>());
+      larger((*last)[5], extended.at("rmse").get<double>());
+      continue;
+    }
+    table.rows.push_back({title, from, to, fmt::format("{:.3g}", nominal.at("rmse").get<double>()), as_it_is,
+                          fmt::format("{:.3g}", extended.at("rmse").get<double>()), as_found});
+  }
+}
+
+void AppendTrustedRegions(const Json& diagnosis, ReportSection& section) {
+  if (!diagnosis.contains("trusted_regions")) {
+    section.parts.emplace_back(
+        "Where the simulation may be trusted is not in this file: an older program wrote it.");
+    return;
+  }
+  const Json& trusted = diagnosis.at("trusted_regions");
+  const auto unit = trusted.at("unit").get<std::string>();
+  section.parts.emplace_back(
+      fmt::format("Where the simulation may be trusted: by ranges of what was measured, the largest error on "
+                  "held-out data, as it "
+                  "is and with the causes found, beside the noise of {:.3g} {}. It holds where the upper 95 "
+                  "% bound of the error is "
+                  "at most {:g} times the noise, and fails where the error is more than noise explains. "
+                  "Beyond these ranges "
+                  "nothing was measured.",
+                  trusted.at("noise").get<double>(), unit, trusted.at("tolerated_excess").get<double>()));
+  ReportTable table{"diagnosis_trusted_regions",
+                    {"over", "from", "to", fmt::format("as it is ({})", unit), "as it is",
+                     fmt::format("with what was found ({})", unit), "with what was found"},
+                    {}};
+  for (const Json& over : trusted.at("over")) AppendRegions(over, table);
+  section.parts.emplace_back(std::move(table));
+}
+
+// In three sentences; files of older programs have none.
+void AppendPlainWords(const Json& diagnosis, ReportSection& section) {
+  if (!diagnosis.contains("plain_words")) return;
+  const Json& words = diagnosis.at("plain_words");
+  const auto missing = words.at("what_is_missing").get<std::string>();
+  section.parts.emplace_back(
+      fmt::format("{}How sure: {}. What to do: {}.",
+                  missing.empty() ? "" : "What the simulation lacks: " + missing + ". ",
+                  words.at("how_sure").get<std::string>(), words.at("what_to_do").get<std::string>()));
+}
+
 ReportSection DiagnosisOf(const std::filesystem::path& file, const Json& diagnosis) {
   ReportSection section{"Diagnosis", {}};
   const Json& records = diagnosis.at("records");
@@ -113,6 +179,7 @@ ReportSection DiagnosisOf(const std::filesystem::path& file, const Json& diagnos
       fmt::format("Verdict: {}. Kind: {}. By {}, from {}. Records: {}.",
                   diagnosis.at("verdict").get<std::string>(), diagnosis.at("kind").get<std::string>(),
                   diagnosis.at("software").get<std::string>(), file.string(), of_records));
+  AppendPlainWords(diagnosis, section);
   if (diagnosis.at("causes").empty()) {
     section.parts.emplace_back("No cause is named.");
   } else {
@@ -130,6 +197,7 @@ ReportSection DiagnosisOf(const std::filesystem::path& file, const Json& diagnos
       signature.empty() ? "" : ": " + signature));
   if (!diagnosis.at("to_settle").empty())
     section.parts.emplace_back("To settle what is open: " + ListWords(diagnosis.at("to_settle")) + ".");
+  AppendTrustedRegions(diagnosis, section);
   if (diagnosis.contains("power")) {
     AppendPower(diagnosis.at("power"), section);
   } else {

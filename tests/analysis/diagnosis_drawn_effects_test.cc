@@ -75,6 +75,7 @@ TEST_P(DrawnEffects, GrowWithTheirAmountAndAreTheSameForTheSameDraw) {
   for (std::size_t cause = 0; cause < study->causes().size(); ++cause) {
     const CauseRule& rule = study->causes()[cause];
     if (!rule.named) continue;
+    EXPECT_FALSE(rule.what_to_do.empty()) << rule.name;
     const auto effect = study->DrawEffect(cause, fit, 11);
     if (!effect) continue;
     ++drawn;

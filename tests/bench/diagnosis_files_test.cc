@@ -45,6 +45,10 @@ TEST(DiagnosisJson, HasEveryFieldOfTheContract) {  // docs/contract.md#diagnose
   EXPECT_TRUE(json["to_settle"][0].is_string());
   EXPECT_EQ(json["warnings"].size(), 1u);
   EXPECT_TRUE(json["software"].get<std::string>().starts_with("strainwave ")) << json["software"];
+  EXPECT_EQ(cause["what_to_do"], "turn the encoder by half a turn");
+  EXPECT_EQ(json["plain_words"]["what_is_missing"],
+            "an error once per turn (99 % of what the simulation misses)");
+  EXPECT_TRUE(json["trusted_regions"]["over"].empty());
   EXPECT_NEAR(json["quantities"]["e_max_arcmin"]["extended"].get<double>(), 0.8, 1e-9);
 }
 

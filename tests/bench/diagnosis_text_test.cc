@@ -6,6 +6,8 @@
 #include "bench/diagnosis/diagnosis_json.h"
 #include "bench/diagnosis/nominal_models.h"
 #include "bench/diagnosis/parameter_words.h"
+#include "bench/diagnosis/plain_words.h"
+#include "bench/diagnosis/trust_report.h"
 #include "tests/bench/made_up_diagnosis.h"
 
 namespace strainwave::bench::diagnosis_text_test {
@@ -20,7 +22,9 @@ TEST(DiagnosisText, OpensWithTheVerdict) {
   nothing.result.nominal_heldout_rmse = 1.02 * nothing.result.noise_floor;
   EXPECT_TRUE(
       DiagnosisText(nothing.Report(), false)
-          .starts_with("Nothing is missing in the simulation: it explains these records down to their "
+          .starts_with("How sure: diagnose --power measures how large an effect would have been found here.\n"
+                       "What to do: nothing: go on with the simulation as it is.\n"
+                       "Nothing is missing in the simulation: it explains these records down to their "
                        "noise.\n"));
   MadeUp stated = Unnamed();
   stated.result.verdict = diagnosis::Verdict::kNoEffect;
@@ -31,9 +35,15 @@ TEST(DiagnosisText, OpensWithTheVerdict) {
             std::string::npos);
   EXPECT_TRUE(
       DiagnosisText(Found().Report(), false)
-          .starts_with("What the simulation lacks: an error once per turn (99 % of what it misses).\n"
-                       "One effect is missing in the simulation: output_eccentricity or backlash (bench "
-                       "or unit).\n"));
+          .starts_with(
+              "What the simulation lacks: an error once per turn (99 % of what the simulation "
+              "misses).\n"
+              "How sure: chance shows as much in fewer than one of a billion such records; on data that "
+              "no fit has seen the\n"
+              "error falls by 92 %; but something else would explain these records as well.\n"
+              "What to do: measure what tells them apart, as under \"next\".\n"
+              "One effect is missing in the simulation: output_eccentricity or backlash (bench "
+              "or unit).\n"));
   EXPECT_EQ(
       VerdictSentence(Unnamed().Report()),
       "Something is missing in the simulation that no known cause explains: line over output angle: order "
@@ -56,9 +66,10 @@ TEST(DiagnosisText, HasTheCorrectedNumbersAndTheLargestCauseFirst) {
   found.result.extended.nominal = {{"offset_arcmin", "arcmin", 0.25, 0.004}};
   found.result.causes.insert(found.result.causes.begin(), {1, {}, {900.0, 0.0, 400.0}, 0.01, {}});
   const std::string text = DiagnosisText(found.Report(), false);
-  EXPECT_TRUE(text.starts_with(
-      "What the simulation lacks: an error once per turn (99 % of what it misses, and one smaller "
-      "effect).\n"))
+  EXPECT_TRUE(
+      text.starts_with("What the simulation lacks: an error once per turn (99 % of what the simulation "
+                       "misses, and one smaller\n"
+                       "effect).\n"))
       << text;
   EXPECT_LT(text.find("found        output_eccentricity"), text.find("found        backlash")) << text;
   EXPECT_NE(text.find("corrected    the simulation's numbers with what was found:\n"
@@ -66,6 +77,90 @@ TEST(DiagnosisText, HasTheCorrectedNumbersAndTheLargestCauseFirst) {
                       "(without: 0)           where zero lies\n"),
             std::string::npos)
       << text;
+}
+
+TEST(PlainWords, SayHowSureAndWhatToDo) {
+  MadeUp found = Found();
+  found.result.causes[0].indistinguishable_from.clear();
+  found.result.causes[0].evidence.p_value = 3e-5;
+  found.result.gain.low = -0.1;  // not shown on unseen data
+  PlainWords words = PlainWordsOf(found.Report());
+  EXPECT_EQ(words.how_sure, "chance shows as much in fewer than one of 10 000 such records");
+  EXPECT_EQ(words.what_to_do, "turn the encoder by half a turn");
+  found.result.causes[0].evidence.p_value = 0.2;
+  EXPECT_EQ(PlainWordsOf(found.Report()).how_sure, "chance may show as much");
+  found.result.causes[0].indistinguishable_from = {"backlash", "load_windup"};
+  words = PlainWordsOf(found.Report());
+  EXPECT_EQ(words.how_sure, "chance may show as much; but 2 other explanations would do as well");
+  EXPECT_EQ(words.what_to_do, "measure what tells them apart, as under \"next\"");
+}
+
+TEST(PlainWords, OfWhatHasNoNameAskForAnotherMeasurement) {
+  const PlainWords words = PlainWordsOf(Unnamed().Report());
+  EXPECT_EQ(words.what_is_missing, "");
+  EXPECT_EQ(words.how_sure, "chance shows as much in fewer than one of a billion such records");
+  EXPECT_EQ(words.what_to_do,
+            "measure again as under \"next\": what comes back belongs to the gear or the bench");
+}
+
+// Ranges of the angle: held by both, failed by the nominal model in two that touch and one apart, and one of
+// few samples.
+MadeUp FoundWithRegions() {
+  using diagnosis::Validity;
+  MadeUp found = Found();
+  const auto range = [](double from_deg, double to_deg, double nominal, Validity of_nominal,
+                        Validity of_extended) {
+    constexpr double kRadPerDeg = 0.017453292519943295;
+    return diagnosis::RegressorRange{from_deg * kRadPerDeg,
+                                     to_deg * kRadPerDeg,
+                                     180,
+                                     {nominal / kArcminPerRad, of_nominal},
+                                     {0.021 / kArcminPerRad, of_extended}};
+  };
+  found.result.trusted = {0.02 / kArcminPerRad,
+                          {{range(0, 90, 0.02, Validity::kHolds, Validity::kHolds),
+                            range(90, 120, 0.3, Validity::kFails, Validity::kHolds),
+                            range(120, 180, 0.2, Validity::kFails, Validity::kHolds),
+                            range(180, 270, 0.02, Validity::kTooFew, Validity::kTooFew),
+                            range(270, 360, 0.1, Validity::kFails, Validity::kHolds)}}};
+  return found;
+}
+
+TEST(TrustReport, NamesTheRangesInWhichTheSimulationFails) {
+  const MadeUp found = FoundWithRegions();
+  EXPECT_EQ(
+      TrustWords(found.Report(), false),
+      "not at output angle 90 to 180 deg (0.3 arcmin), output angle 270 to 360 deg (0.1 arcmin); too few "
+      "samples in 1 of 5 ranges");
+  EXPECT_EQ(TrustWords(found.Report(), true),
+            "everywhere in these records; too few samples in 1 of 5 ranges");
+  const std::string text = DiagnosisText(found.Report(), false);
+  EXPECT_NE(text.find("\ntrusted      as it is: not at output angle 90 to 180 deg (0.3 arcmin),"),
+            std::string::npos)
+      << text;
+  const auto json = DiagnosisJson(found.Report())["trusted_regions"];
+  EXPECT_NEAR(json["noise"].get<double>(), 0.02, 1e-12);
+  EXPECT_EQ(json["unit"], "arcmin");
+  ASSERT_EQ(json["over"].size(), 1U);
+  EXPECT_EQ(json["over"][0]["regressor"], "output_angle");
+  const auto& second = json["over"][0]["ranges"][1];
+  EXPECT_NEAR(second["low"].get<double>(), 90.0, 1e-9);
+  EXPECT_NEAR(second["high"].get<double>(), 120.0, 1e-9);
+  EXPECT_EQ(second["samples"], 180);
+  EXPECT_NEAR(second["nominal"]["rmse"].get<double>(), 0.3, 1e-12);
+  EXPECT_EQ(second["nominal"]["result"], "fails");
+  EXPECT_EQ(second["extended"]["result"], "holds");
+  EXPECT_EQ(json["over"][0]["ranges"][3]["nominal"]["result"], "too_few_samples");
+}
+
+TEST(TrustReport, SaysNowhereAndNothingWhereThatIsSo) {
+  MadeUp found = FoundWithRegions();
+  for (diagnosis::RegressorRange& range : found.result.trusted.over[0])
+    range.nominal.validity = diagnosis::Validity::kFails;
+  EXPECT_EQ(TrustWords(found.Report(), false), "nowhere in these records");
+  found.result.trusted.over = {{}};
+  EXPECT_EQ(TrustWords(found.Report(), false), "these records are too short to say where");
+  EXPECT_FALSE(HasTrustedRegions(found.Report()));
 }
 
 TEST(DiagnosisText, TellsWhatSimulatedRecordsShowOfACause) {

@@ -30,6 +30,7 @@ class MadeUpStudy final : public diagnosis::Study {
     regressors_.push_back({"output_angle", "output angle / deg", 57.29577951308232, angle_, true});
     rules_.push_back(
         {.name = "output_eccentricity",
+         .what_to_do = "turn the encoder by half a turn",
          .sentence = "an error once per turn",
          .where = diagnosis::Where::kUndecided,
          .effect = "E3",

@@ -121,6 +121,23 @@ class Papers(unittest.TestCase):
         else:
             self.assertIn("No cause is named.", page.words)
         self.assertIn("How large an effect has to be to be found was not measured (strainwave diagnose --power).", page.words)
+        self.assertTrue(any("How sure: " in words and "What to do: " in words for words in page.words))
+
+    def test_a_diagnosis_has_its_trusted_regions(self):
+        def at(low, high, rmse, nominal, extended):
+            return {"low": low, "high": high, "samples": 100, "nominal": {"rmse": rmse, "result": nominal}, "extended": {"rmse": 0.02, "result": extended}}
+        ranges = [at(0, 10, 0.02, "holds", "holds"), at(10, 20, 0.3, "fails", "holds"), at(20, 30, 0.4, "fails", "holds"), at(40, 50, 0.1, "fails", "too_few_samples")]
+        regions = {"noise": 0.02, "unit": "arcmin", "tolerated_excess": 1.3, "over": [{"regressor": "torque", "title": "torque / Nm", "ranges": ranges}]}
+        (self.folder / "regions.json").write_text(json.dumps(self.diagnosis | {"trusted_regions": regions}))
+        page = self.report("--diagnosis", self.folder / "regions.json")
+        self.assertEqual(page.table("over", "from"), [
+            ["torque / Nm", "0", "10", "0.02", "holds", "0.02", "holds"],
+            ["torque / Nm", "10", "30", "0.4", "fails", "0.02", "holds"],
+            ["torque / Nm", "40", "50", "0.1", "fails", "0.02", "too few samples"]])
+        older = {key: value for key, value in self.diagnosis.items() if key not in ("trusted_regions", "plain_words")}
+        (self.folder / "older.json").write_text(json.dumps(older))
+        page = self.report("--diagnosis", self.folder / "older.json")
+        self.assertIn("Where the simulation may be trusted is not in this file: an older program wrote it.", page.words)
 
     def test_a_diagnosis_has_its_power(self):
         (self.folder / "power.json").write_text(json.dumps(self.diagnosis | {"power": POWER}))

@@ -90,6 +90,7 @@ void AddStepChange(const LayoutPointer& layout, SeparableModel& model) {
     };
     CauseRule rule{
         .name = "step_change",
+        .what_to_do = "read the journal and the notes at this cycle; inspect teeth, flexspline and mounts",
         .sentence = "the level" + choice.Suffix(*layout) +
                     " shifts from one cycle to the next and stays: a tooth or the flexspline gave way, "
                     "or something on the bench was touched",
@@ -130,6 +131,7 @@ void AddSlopeChange(const LayoutPointer& layout, SeparableModel& model) {
     };
     CauseRule rule{
         .name = "slope_change",
+        .what_to_do = "read what ran since this cycle; look at the lubricant, and look for a crack",
         .sentence = "from one cycle on the wear" + choice.Suffix(*layout) +
                     " goes on at another rate: the lubricant is spent, a crack grows, or the load changed",
         .where = Where::kUnit,
@@ -159,6 +161,9 @@ void AddDailyTemperature(const LayoutPointer& layout, SeparableModel& model) {
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
     CauseRule rule{
         .name = "daily_temperature",
+        .what_to_do =
+            "judge trends by the extended model, which takes the temperature out, or keep the hall's "
+            "temperature",
         .sentence = std::string("the result") + choice.Suffix(*layout) +
                     (measured ? " follows the temperature at the measurement"
                               : " swings with a period of one day, as the temperature of a hall does") +
@@ -218,6 +223,8 @@ void AddSensorReplaced(const LayoutPointer& layout, SeparableModel& model) {
       DescribeSeries(term, layout, choice, {size}, {});
       CauseRule rule{
           .name = "sensor_replaced",
+          .what_to_do =
+              "calibrate the new sensor against the old one, and judge trends within one sensor's cycles",
           .sentence = fmt::format("the level{} shifts at cycle {:.0f}, where the sensors change from {} "
                                   "to {}: a calibration or a mounting differs",
                                   choice.Suffix(*layout), layout->cycle[row], layout->sensor_serials[row - 1],

@@ -42,6 +42,7 @@ void AddPauseRecovery(const LayoutPointer& layout, SeparableModel& model) {
       return BestCandidates(*layout, term, residual, {{0.5}, {1.5}, {4.0}, {12.0}}, 2);
     };
     CauseRule rule{.name = "pause_recovery",
+                   .what_to_do = "leave the first cycles after a pause out of trends",
                    .sentence = "the first cycles after a long pause differ" + choice.Suffix(*layout) +
                                " and come back: the gear had cooled, or its grease had settled",
                    .where = Where::kUndecided,

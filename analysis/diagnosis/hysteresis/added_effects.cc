@@ -40,10 +40,12 @@ class CreepEffect final : public FormedEffect {
     const double range_arcmin = ArcminFromRad(records.twist_range_rad);
     rule = {
         .name = "creep",
+        .what_to_do =
+            "hold the torque, then take it off and wait: what comes back is the gear's, what stays the "
+            "brake's",
         .sentence =
             "twist goes on at constant torque: after-effect of the flexspline or of glued joints; a brake "
-            "that gives way slowly looks the same within one loop (hold the torque, then take it off and "
-            "wait)",
+            "that gives way slowly looks the same within one loop",
         .where = Where::kUnit,
         .effect = "E22",
         .parameters = {{"creep_share_per_decade", "1", 0.0, kMostPerDecade, false},
@@ -205,9 +207,9 @@ class ThermalDrift final : public FormedEffect {
     const double range_arcmin = ArcminFromRad(records.twist_range_rad);
     rule = {
         .name = "thermal_drift",
+        .what_to_do = "let the bench soak, or measure at rest without torque for as long",
         .sentence =
-            "the angle follows temperature or time, not torque: mount, encoder or gear grow as they warm up "
-            "(let the bench soak, or measure at rest without torque for as long)",
+            "the angle follows temperature or time, not torque: mount, encoder or gear grow as they warm up",
         .where = Where::kUndecided,
         .effect = "E10",
         .parameters = {{"time_constant_s", "s", 0.0, 3.0 * duration_s_, false}},

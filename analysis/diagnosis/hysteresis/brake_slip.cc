@@ -34,10 +34,10 @@ class BrakeSlip final : public FormedEffect {
         peak_Nm_(records.peak_torque_Nm) {
     const double range_arcmin = ArcminFromRad(records.twist_range_rad);
     rule = {.name = "brake_slip",
+            .what_to_do = "put a mark or a second encoder on the motor shaft; adjust or replace the brake",
             .sentence =
                 "the locked input moves beyond a torque level and does not come back: the holding brake "
-                "slips (put a "
-                "mark or a second encoder on the motor shaft; adjust or replace the brake)",
+                "slips",
             .where = Where::kBench,
             .effect = "E17",
             // A level at which a fit stops since its range begins there is within it, however its logarithm

@@ -29,6 +29,9 @@ class DistributedFriction final : public LoopEffect {
     most_yield_ = std::log(0.6 * range_arcmin);
     rule = {
         .name = "distributed_friction",
+        .what_to_do =
+            "clamp the couplings anew and repeat the loop: what stays is the gear's, and the extended model "
+            "has it",
         .sentence =
             "the loop needs friction that yields at several twists (Maxwell slip), one element is not "
             "enough: "

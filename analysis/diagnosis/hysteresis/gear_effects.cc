@@ -23,9 +23,10 @@ class BacklashEffect final : public LoopEffect {
     const double most_Nm = 0.15 * records.t1_Nm;
     rule = {
         .name = "backlash",
+        .what_to_do = "move the encoder to the gear's own flange: play of a key or a coupling is gone there",
         .sentence =
             "a dead zone about zero torque, in which the output turns with next to no stiffness: worn teeth "
-            "or a loose key or coupling (move the encoder to the gear's own flange to tell them apart)",
+            "or a loose key or coupling",
         .where = Where::kUnit,
         .effect = "E4",
         .parameters = {{"backlash_arcmin", "arcmin", 0.0, 0.6 * range_arcmin, true},
@@ -87,6 +88,7 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
 
   CauseRule asymmetry{
       .name = "asymmetric_stiffness",
+      .what_to_do = "measure how the mount itself bends, and repeat the loop at another lock angle",
       .sentence =
           "the gear is stiffer under torque of one sign: teeth that bear on one flank first, a "
           "flexspline that was overloaded one way; a mount that bends one way looks the same",
@@ -113,6 +115,7 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
   const double hardest = 0.8 * peak_Nm / (half_range_rad * half_range_rad * half_range_rad);
   CauseRule hardening{
       .name = "cubic_hardening",
+      .what_to_do = "run the extended model in place of K1 to K3 near the peak torque",
       .sentence =
           "stiffness rises smoothly with the twist, beyond K1 to K3: more teeth come to bear as "
           "the flexspline winds up",
@@ -128,9 +131,10 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
   const double most_offset_Nm = 0.3 * records.t3_Nm;
   CauseRule offset{
       .name = "torque_zero_offset",
+      .what_to_do = "zero the transducer unloaded, with couplings loose, and repeat the loop",
       .sentence =
           "the torque signal is shifted: the transducer was not zeroed, or something hangs on the "
-          "output (zero it unloaded, with couplings loose)",
+          "output",
       .where = Where::kBench,
       .effect = "",
       .degrees_of_freedom = 1,

@@ -63,6 +63,9 @@ void AppendRateDependence(const LoopRecords& records, LoopEffects& effects) {
   const double most_viscous = 0.5 * records.peak_torque_Nm / twist_rad_per_s;
   CauseRule rule{
       .name = "rate_dependence",
+      .what_to_do =
+          "repeat the loop at a tenth of the torque rate, and check that angle and torque are sampled "
+          "together",
       .sentence =
           "the loop widens with the torque rate, as with viscous friction: stiff grease or cold; an "
           "angle that is sampled later than the torque looks the same",

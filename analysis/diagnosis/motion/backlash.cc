@@ -318,6 +318,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   model.causes.push_back(std::move(term));
   model.rules.push_back(
       {.name = "backlash",
+       .what_to_do = "look for play in coupling, key and nut, and record again",
        .sentence = "the load comes loose where the motion turns or slows down, and knocks where a gap is "
                    "crossed: play in a coupling, key, nut or the teeth",
        .where = Where::kUndecided,

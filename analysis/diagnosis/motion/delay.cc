@@ -124,6 +124,7 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, double sampling_step_
   const bool late = delay_s >= 0.0;
   model.rules.push_back(
       {.name = "time_delay",
+       .what_to_do = "check filter and time stamps of the torque channel, or shift it by the delay named",
        .sentence = SentenceFor(delay_s, units.linear ? "force" : "torque"),
        .where = Where::kBench,
        .effect = "E20",
@@ -132,6 +133,7 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, double sampling_step_
   model.causes.push_back(std::move(term));
   model.rules.push_back(
       {.name = "instants of the samples",
+       .what_to_do = "check filter and time stamps of the torque channel, or shift it by the delay named",
        .sentence = "the torque is recorded later than it acts, by less than 0.15 sampling steps",
        .parameters = {{"delay_s", "s", -open_s, 0.0, true}},
        .trials_factor = 6.0,

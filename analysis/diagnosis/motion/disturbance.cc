@@ -207,6 +207,7 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
   };
   CauseRule rule{
       .name = "external_disturbance",
+      .what_to_do = "look up what happened on the bench at the times named, and record again",
       .sentence =
           units.linear
               ? "a force from outside for a limited time: something touched, pulled or jammed the axis"

@@ -250,6 +250,8 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   };
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = "torsional_resonance",
+                         .what_to_do = "look for a loose coupling or shaft between drive and load, and keep "
+                                       "the drive's set points below the frequency named",
                          .sentence = "a second inertia behind a compliance swings: a soft coupling, shaft, "
                                      "screw or gear between drive and load",
                          .where = Where::kUndecided,

@@ -67,6 +67,7 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   };
   Add(model, std::move(term),
       {.name = "stribeck_friction",
+       .what_to_do = "run the extended model at low speed; look whether the lubricant suits that speed",
        .sentence = "friction falls with speed at low speed: the lubricant film is not closed yet (Stribeck)",
        .where = Where::kUnit,
        .effect = "E8",
@@ -101,6 +102,8 @@ void AddAsymmetry(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   DescribeEach(term, {{name, units.viscous(), 1.0}});
   Add(model, std::move(term),
       {.name = "asymmetric_friction",
+       .what_to_do = "record again without load: a load on one flank goes away with it, wear stays; then "
+                     "look at the flanks",
        .sentence = "friction at equal speed differs by direction: one flank of the teeth, or of the screw, "
                    "is worn or "
                    "carries another load",
@@ -122,6 +125,7 @@ void AddDrag(const SharedGrid& grid, const MotionUnits& units, SeparableModel& m
   DescribeEach(term, {{name, unit, 1.0}});
   Add(model, std::move(term),
       {.name = "quadratic_drag",
+       .what_to_do = "check the fill of grease or oil, and run the extended model at high speed",
        .sentence = "a resistance that rises with the square of speed: churning of grease or oil, or air",
        .where = Where::kUnit,
        .parameters = {{name, unit, 0.0, kUnlimited, true}},
@@ -219,6 +223,7 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
   };
   Add(model, std::move(term),
       {.name = "thermal_friction_drift",
+       .what_to_do = "warm the drive up before it is measured, and log its temperature",
        .sentence = by_temperature ? "friction follows temperature: the grease thins or thickens"
                                   : "friction changes in the course of the record: grease that warms or "
                                     "cools (no temperature in "

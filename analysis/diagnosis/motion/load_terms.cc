@@ -90,6 +90,7 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   model.causes.push_back(std::move(term));
   model.rules.push_back(
       {.name = "load_dependent_friction",
+       .what_to_do = "run the extended model under load; record at two more loads to prove its slope",
        .sentence =
            "friction rises with the torque that is transmitted: sliding of the teeth and of the flexspline",
        .where = Where::kUnit,

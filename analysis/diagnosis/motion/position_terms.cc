@@ -108,6 +108,8 @@ void AddRipples(const SharedGrid& grid, const MotionUnits& units, SeparableModel
     DescribeAsHarmonic(term, amplitude, units.torque(), 1.0, {{order, per, 1.0}});
     model.causes.push_back(std::move(term));
     model.rules.push_back({.name = "position_periodic_torque",
+                           .what_to_do = "compare the order named with poles, teeth and rolling elements of "
+                                         "the axis; record again uncoupled",
                            .sentence = sentence,
                            .where = Where::kUndecided,
                            .effect = "E13",
@@ -159,6 +161,7 @@ void AddGravity(const SharedGrid& grid, const MotionUnits& units, SeparableModel
   model.causes.push_back(std::move(term));
   model.rules.push_back(
       {.name = "gravity_load",
+       .what_to_do = "balance what the axis carries, or run the extended model, which has its weight",
        .sentence = "a torque once per turn, sine of the position: weight off the axis, of what the axis "
                    "carries or of the bench",
        .where = Where::kUndecided,

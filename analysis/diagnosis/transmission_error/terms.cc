@@ -9,11 +9,9 @@
 #include <numeric>
 #include <utility>
 
-#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/transmission_error/folded_orders.h"
 #include "analysis/harmonic_regression.h"
-#include "analysis/model/local_tooth_damage.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -67,6 +65,8 @@ void AddHarmonics(const Samples& samples, SeparableModel& model) {
   AddHarmonicCause(
       samples, model,
       {.name = "wave_generator_first_harmonic",
+       .what_to_do = "measure the runout of wave generator and input coupling, centre the input encoder, and "
+                     "sweep again",
        .sentence = "an error once per turn of the input: the wave generator or the input coupling runs "
                    "out, or the input encoder is mounted off centre",
        .where = Where::kUndecided,
@@ -78,6 +78,8 @@ void AddHarmonics(const Samples& samples, SeparableModel& model) {
   AddHarmonicCause(
       samples, model,
       {.name = "wave_generator_fourth_harmonic",
+       .what_to_do =
+           "exchange the wave generator, if there is a second one, and sweep again: the error goes with it",
        .sentence = "an error four times per turn of the wave generator: its shape departs from an "
                    "ellipse",
        .where = Where::kUnit,
@@ -86,6 +88,8 @@ void AddHarmonics(const Samples& samples, SeparableModel& model) {
   AddHarmonicCause(
       samples, model,
       {.name = "output_eccentricity",
+       .what_to_do = "turn the output encoder by half a turn on its flange and sweep again: an error of the "
+                     "encoder turns with it",
        .sentence = "an error once per turn of the output: flange or flexspline run out, or the output "
                    "encoder is mounted off centre; one record cannot tell which",
        .where = Where::kUndecided,
@@ -97,6 +101,7 @@ void AddHarmonics(const Samples& samples, SeparableModel& model) {
   AddHarmonicCause(
       samples, model,
       {.name = "circular_spline_ovality",
+       .what_to_do = "loosen the circular spline, tighten its screws crosswise, and sweep again",
        .sentence = "an error twice per turn of the output: the circular spline is oval (clamped "
                    "unevenly), or the output encoder is tilted",
        .where = Where::kUndecided,
@@ -112,6 +117,7 @@ void AddHarmonics(const Samples& samples, SeparableModel& model) {
     AddHarmonicCause(
         samples, model,
         {.name = "tooth_engagement",
+         .what_to_do = "compare with the sweep of this unit when it was new: every gear has some of it",
          .sentence = "an error at the order at which teeth of flexspline and circular spline meet; it "
                      "beats with the second harmonic",
          .where = Where::kUnit,
@@ -129,6 +135,9 @@ void AddBacklash(const Samples& samples, SeparableModel& model) {
   for (double& value : half) value *= 0.5;
   model.causes.push_back(ColumnTerm(std::move(half), {"backlash_arcmin", "arcmin", kArcminPerRad}));
   CauseRule rule{.name = "backlash",
+                 .what_to_do =
+                     "look for play in keys and couplings, and sweep again at half the speed: a skew in time "
+                     "halves, lost motion stays",
                  .sentence = "a constant difference between the two directions: lost motion",
                  .where = Where::kUnit,
                  .effect = "E4",
@@ -187,6 +196,7 @@ void AddSwingOfDrift(const Samples& samples, SeparableModel& model, CauseRule ru
 
 void AddDrift(const Samples& samples, SeparableModel& model) {
   CauseRule rule{.name = "thermal_drift",
+                 .what_to_do = "let the bench warm up until its temperature stands, and sweep again",
                  .sentence = "the error moves with temperature or time, whatever the angle",
                  .where = Where::kUndecided,
                  .effect = "E10",
@@ -233,107 +243,6 @@ void AddDrift(const Samples& samples, SeparableModel& model) {
   if (TimeIsApartFromAngle(samples)) AddCurveOfDrift(samples, std::move(rule), model);
 }
 
-// What the sample that has most of a damage has of it: of a bump as narrow as the steps nobody knows how high
-// it is in between, yet this is known well. Numbers: height, centre, width, skew.
-ParameterValue SeenOfDamage(std::span<const double> turn_angle, std::span<const double> numbers,
-                            const Eigen::MatrixXd& covariance) {
-  const auto nonlinear_parameter = [&](double at_rad, std::span<const double> v) {
-    return v[0] * model::LocalToothDamageShape(at_rad, v[1], v[2], v[3]);
-  };
-  const double at_rad = *std::ranges::max_element(
-      turn_angle, {}, [&](double here_rad) { return std::abs(nonlinear_parameter(here_rad, numbers)); });
-  Eigen::Vector4d slope;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double step = k == 0 ? 1e-3 * std::abs(numbers[0]) : 1e-3 * std::max(numbers[2], 1e-6);
-    std::vector<double> up(numbers.begin(), numbers.end());
-    std::vector<double> down(up);
-    up[k] += step;
-    down[k] -= step;
-    slope(static_cast<Eigen::Index>(k)) =
-        (nonlinear_parameter(at_rad, up) - nonlinear_parameter(at_rad, down)) / (2.0 * step);
-  }
-  const double error = StandardErrorOf(slope.dot(covariance.topLeftCorner<4, 4>() * slope));
-  return {"seen_arcmin", "arcmin", kArcminPerRad * nonlinear_parameter(at_rad, numbers),
-          kArcminPerRad * error};
-}
-
-// Which flank of the tooth is damaged: one alone is felt in one direction.
-enum class Flank { kBoth, kClockwise, kCounterclockwise };
-
-std::string SentenceOfDamage(Flank flank) {
-  const std::string bump = "a bump that stays within a few degrees of the output: a tooth is damaged there";
-  if (flank == Flank::kBoth) return bump;
-  return bump +
-         (flank == Flank::kClockwise ? ", on the flank that turns cw" : ", on the flank that turns ccw");
-}
-
-std::string HeightOfDamage(Flank flank) {
-  return flank == Flank::kBoth        ? "height_arcmin"
-         : flank == Flank::kClockwise ? "height_cw_arcmin"
-                                      : "height_ccw_arcmin";
-}
-
-void AddLocalDamage(const Samples& samples, Flank flank, SeparableModel& model) {
-  std::vector<double> turn_angle(samples.output_rad);
-  for (double& angle : turn_angle) angle -= kTwoPi * std::floor(angle / kTwoPi);
-  const double density =
-      static_cast<double>(turn_angle.size()) / std::min(kTwoPi, std::max(SpanOf(samples.output_rad), 1e-9));
-  const double narrowest = std::max(RadFromDeg(0.5), 2.5 / density);
-  const double widest = RadFromDeg(12.0);
-  // What one sample shows may be an outlier, but not where other passes show it again.
-  const double least = TimeIsApartFromAngle(samples) ? 0.0 : 0.7 * narrowest;
-  SeparableTerm term;
-  constexpr double kMostSkew = 0.7;
-  term.nonlinear_parameters = {
-      {-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
-      {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)},
-      {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForErrors}};
-  std::vector<double> felt;
-  for (const double direction : samples.direction)
-    felt.push_back(flank == Flank::kBoth || (flank == Flank::kClockwise) == (direction > 0.0));
-  term.fill = [turn_angle, felt](std::span<const double> nonlinear_parameters,
-                                 Eigen::Ref<Eigen::MatrixXd> design) {
-    for (std::size_t i = 0; i < turn_angle.size(); ++i) {
-      design(static_cast<Eigen::Index>(i), 0) =
-          felt[i] * model::LocalToothDamageShape(turn_angle[i], nonlinear_parameters[0],
-                                                 nonlinear_parameters[1], nonlinear_parameters[2]);
-    }
-  };
-  term.starts = [turn_angle, felt, narrowest, widest](const WeightedResidual& residual) {
-    std::vector<double> weights(residual.weights.begin(), residual.weights.end());
-    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] *= felt[i];
-    std::vector<std::vector<double>> starts;
-    for (const WindowPeak& peak : FindWindows(turn_angle, residual.values, weights, narrowest, widest, 4)) {
-      starts.push_back({peak.centre, std::clamp(0.8 * peak.width, 0.6 * narrowest, widest), 0.0});
-    }
-    return starts;
-  };
-  const std::string height = HeightOfDamage(flank);
-  DescribeEach(term, {{height, "arcmin", kArcminPerRad},
-                      {"centre_deg", "deg", DegFromRad(1.0)},
-                      {"width_deg", "deg", DegFromRad(1.0)},
-                      {"skew_share", "1", 1.0}});
-  term.describe = [turn_angle, as_they_are = term.describe](std::span<const double> numbers,
-                                                            const Eigen::MatrixXd& covariance) {
-    std::vector<ParameterValue> values = as_they_are(numbers, covariance);
-    values.push_back(SeenOfDamage(turn_angle, numbers, covariance));
-    return values;
-  };
-  model.causes.push_back(std::move(term));
-  model.rules.push_back({.name = "local_tooth_damage",
-                         .sentence = SentenceOfDamage(flank),
-                         .where = Where::kUnit,
-                         .effect = "E24",
-                         .parameters = {{height, "arcmin", -kLargest_arcmin, kLargest_arcmin, false},
-                                        {"seen_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, true},
-                                        {"width_deg", "deg", DegFromRad(least), 14.0, false}},
-                         .degrees_of_freedom = 3,
-                         .location_parameters = 2,
-                         .trials_factor = std::max(1.0, 0.5 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
-                         .local = true,
-                         .of_few_samples = true});
-}
-
 void AddWindup(const Samples& samples, SeparableModel& model) {
   if (samples.torque_Nm.empty()) return;
   if (!(SpanOf(samples.torque_Nm) > 0.2)) {
@@ -344,6 +253,7 @@ void AddWindup(const Samples& samples, SeparableModel& model) {
       ColumnTerm(Centred(samples, samples.torque_Nm), {"windup_arcmin_per_Nm", "arcmin/Nm", kArcminPerRad}));
   model.rules.push_back(
       {.name = "load_windup",
+       .what_to_do = "run the extended model under load, or put the output encoder on the gear's own flange",
        .sentence = "the error follows the torque: the gear, or what is in series with it, winds up",
        .where = Where::kUndecided,
        .effect = "E5",
@@ -387,11 +297,7 @@ void AddTransmissionErrorCauses(const Samples& samples, SeparableModel& model) {
   AddHarmonics(samples, model);
   AddBacklash(samples, model);
   AddDrift(samples, model);
-  AddLocalDamage(samples, Flank::kBoth, model);
-  if (SpanOf(samples.direction) > 1.0) {
-    AddLocalDamage(samples, Flank::kClockwise, model);
-    AddLocalDamage(samples, Flank::kCounterclockwise, model);
-  }
+  AddLocalDamages(samples, model);
   AddWindup(samples, model);
   AddTransmissionErrorNuisanceTerms(samples, model);
 }

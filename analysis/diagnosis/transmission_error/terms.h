@@ -37,6 +37,9 @@ bool TimeIsApartFromAngle(const TransmissionErrorSamples& samples);
 /// A drift over time whose law nobody knows: powers of time 1 to 4. @param rule  of the other forms of drift.
 void AddCurveOfDrift(const TransmissionErrorSamples& samples, CauseRule rule, SeparableModel& model);
 
+/// A damaged tooth on both flanks; where the sweeps go both ways, on either one, too.
+void AddLocalDamages(const TransmissionErrorSamples& samples, SeparableModel& model);
+
 /// Nuisance terms, which have no physical cause: free lines over the output angle, a ripple in a window,
 /// levels in windows of output angle and time, curves over time and torque.
 void AddTransmissionErrorNuisanceTerms(const TransmissionErrorSamples& samples, SeparableModel& model);

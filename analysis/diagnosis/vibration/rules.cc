@@ -46,6 +46,9 @@ void AddGearMesh(Table& table) {
   const double order = model::FlexsplineMeshOrder(samples.ratio);
   CauseRule rule{
       .name = "gear_mesh",
+      .what_to_do =
+          "compare with a record of this unit when it was new; where it is louder now, check alignment and "
+          "grease",
       .sentence = fmt::format("lines at the orders at which teeth meet, {:g} and {:g} per input turn, with "
                               "sidebands: every gear has them, a new one, too; louder than this one's were "
                               "when it was new they speak of worn or misaligned teeth, or lack of grease",
@@ -71,6 +74,8 @@ void AddGearMesh(Table& table) {
 void AddToothEngagement(Table& table) {
   table.Add(VibrationCause::kToothEngagement,
             {.name = "gear_mesh",
+             .what_to_do = "compare with a record of this unit when it was new; where it is louder now, "
+                           "check alignment and grease",
              .sentence =
                  fmt::format("a smooth line at {:.4g} per input turn, where a tooth of one spline meets the "
                              "next of the other: every gear has some of it; louder than this one's was when "
@@ -93,6 +98,7 @@ void AddBearing(Table& table) {
   table.Add(
       VibrationCause::kBearingDefect,
       {.name = "bearing_defect",
+       .what_to_do = "record again uncoupled to learn whose bearing it is, and plan to replace that one",
        .sentence =
            "impulses at an order that is no whole number, with harmonics or a resonance that rings: a "
            "race or a ball is damaged, in the wave generator's bearing or in one of the input shaft's",
@@ -119,6 +125,7 @@ void AddCrack(Table& table) {
   table.Add(
       VibrationCause::kFlexsplineCrack,
       {.name = "flexspline_crack",
+       .what_to_do = "stop the test and inspect the flexspline",
        .sentence = fmt::format(
            "impulses at {:.4g} per input turn, or a line of the shaft that changes once per output "
            "turn: a place of the flexspline meets the two lobes of the wave generator, as a crack "
@@ -147,20 +154,23 @@ void AddResonances(Table& table) {
       {"damping_ratio", "1", kLeastTorsionalDamping, 0.25, false},
       table.amplitude};
   const double share = std::min(1.0, kHighestTorsional_Hz / highest);
-  table.Add(VibrationCause::kTorsionalResonance,
-            {.name = "torsional_resonance",
-             .sentence =
-                 "a lightly damped resonance at a fixed frequency, whatever the speed: the gear's stiffness "
-                 "between its two inertias; the model foretells it from one sample to the next",
-             .where = Where::kUndecided,
-             .effect = "E15",
-             .parameters = parameters,
-             .degrees_of_freedom = 3,
-             .known_by_size = true,
-             .location_parameters = 1,  // its frequency
-             .trials_factor = std::max(50.0, 1.5 * share * table.cells),
-             .local = true,  // an impact rings for a small part of a turn
-             .to_settle = kOtherSpeed});
+  table.Add(
+      VibrationCause::kTorsionalResonance,
+      {.name = "torsional_resonance",
+       .what_to_do =
+           "choose speeds whose orders stay away from the frequency named, and look for loose couplings",
+       .sentence =
+           "a lightly damped resonance at a fixed frequency, whatever the speed: the gear's stiffness "
+           "between its two inertias; the model foretells it from one sample to the next",
+       .where = Where::kUndecided,
+       .effect = "E15",
+       .parameters = parameters,
+       .degrees_of_freedom = 3,
+       .known_by_size = true,
+       .location_parameters = 1,  // its frequency
+       .trials_factor = std::max(50.0, 1.5 * share * table.cells),
+       .local = true,  // an impact rings for a small part of a turn
+       .to_settle = kOtherSpeed});
   if (highest > 1.1 * kHighestTorsional_Hz) {
     table.Add(VibrationCause::kHighResonance,
               {.name = "resonance of the structure",
@@ -188,6 +198,7 @@ void AddImbalance(Table& table, VibrationSamples& samples) {
   table.Add(
       VibrationCause::kImbalance,
       {.name = "imbalance",
+       .what_to_do = "balance motor shaft, coupling and wave generator, and record again",
        .sentence =
            "the shaft's line at 1 per turn grows with the square of the speed: a mass off centre on the "
            "motor shaft, the coupling or the wave generator",
