@@ -17,6 +17,7 @@
 #include "bench/report/document.h"
 #include "bench/report/filed_papers.h"
 #include "bench/report/html.h"
+#include "bench/report/pdf.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -28,6 +29,7 @@ struct ReportOptions {
   std::vector<std::string> folders;
   std::string out;
   std::string csv;
+  std::string pdf;
   std::vector<std::string> diagnoses;
   std::vector<std::string> predictors;
   std::vector<std::string> trip_tests;
@@ -58,6 +60,16 @@ FiledPapers PapersOf(const ReportOptions& options) {
   return papers;
 }
 
+// The page itself is there whether it can be printed or not.
+std::string PrintedOrWhyNot(const std::string& html, const std::string& pdf) {
+  try {
+    WritePdf(html, pdf);
+    return {};
+  } catch (const PdfError& error) {
+    return error.what();
+  }
+}
+
 int WriteReport(const ReportOptions& options) {
   std::vector<std::string> warnings;
   const std::vector<ReportSection> filed = FiledSections(PapersOf(options));
@@ -69,19 +81,25 @@ int WriteReport(const ReportOptions& options) {
   const std::string html = HtmlOf(document);
   daq::WriteFileAtomically(options.out, html);
   const int files = options.csv.empty() ? 0 : WriteCsvTables(document, sheets, options.csv);
+  const std::string no_pdf = options.pdf.empty() ? "" : PrintedOrWhyNot(html, options.pdf);
   if (options.json) {
-    ToStdout("{}\n", nlohmann::ordered_json{{"folders", options.folders},
-                                            {"out", options.out},
-                                            {"bytes", html.size()},
-                                            {"csv_files", files},
-                                            {"warnings", warnings}}
-                         .dump(2));
-    return static_cast<int>(ExitCode::kDone);
+    nlohmann::ordered_json written{{"folders", options.folders},
+                                   {"out", options.out},
+                                   {"bytes", html.size()},
+                                   {"csv_files", files},
+                                   {"warnings", warnings}};
+    if (!options.pdf.empty() && no_pdf.empty()) written["pdf"] = options.pdf;
+    ToStdout("{}\n", written.dump(2));
+  } else {
+    ToStdout("{}: {} campaign{}, {} sections, {}\n", options.out, sheets.size(),
+             sheets.size() == 1 ? "" : "s", document.sections.size(),
+             BytesText(static_cast<double>(html.size())));
+    if (files > 0) ToStdout("{}: {} tables as CSV\n", options.csv, files);
+    if (!options.pdf.empty() && no_pdf.empty()) ToStdout("{}: the page on paper\n", options.pdf);
   }
-  ToStdout("{}: {} campaign{}, {} sections, {}\n", options.out, sheets.size(), sheets.size() == 1 ? "" : "s",
-           document.sections.size(), BytesText(static_cast<double>(html.size())));
-  if (files > 0) ToStdout("{}: {} tables as CSV\n", options.csv, files);
-  return static_cast<int>(ExitCode::kDone);
+  if (no_pdf.empty()) return static_cast<int>(ExitCode::kDone);
+  ToStderr("error: no PDF: {}\n", no_pdf);
+  return static_cast<int>(ExitCode::kMachineFailed);
 }
 
 }  // namespace
@@ -100,6 +118,9 @@ void AddReport(CLI::App& app, Action& action) {
   command->add_option("--out", options->out, "HTML file to write; one of that name is replaced")->required();
   command->add_option("--csv", options->csv,
                       "folder for the same numbers as CSV; files of the same names are replaced");
+  command->add_option("--pdf", options->pdf,
+                      "the page as PDF on A4 besides, printed by Chromium where that is installed; one of "
+                      "that name is replaced");
   command
       ->add_option(
           "--trip-test", options->trip_tests,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -121,28 +122,44 @@ ordered_json JsonOf(const CampaignsReport& report) {
 }
 
 std::filesystem::path DrawForecasts(const CampaignsReport& report, const std::filesystem::path& stem) {
+  // The palette of Okabe and Ito, without its yellow, which paper does not show.
+  constexpr std::array kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000"};
+  constexpr double kApart = 0.06;  // intervals stand one above the other over the limit
   std::string script;
   std::string plot;
   std::size_t number = 0;
+  double top = 1.0;
   for (const CampaignLife& campaign : report.campaigns) {
     for (const CampaignLimit& limit : campaign.limits) {
       const auto shown = analysis::reliability::Binned(limit.path, 400);
-      const std::string name = fmt::format("path{}", number++);
+      const std::string name = fmt::format("path{}", number);
+      const std::string_view colour = kColours[number++ % kColours.size()];
       script += DataBlock(name, {shown.cycle, shown.way});
-      plot += fmt::format("{}${} using 1:2 with lines lw 1.5 title {}", plot.empty() ? "plot " : ", ", name,
-                          Quoted(campaign.specimen + " " + limit.quantity));
+      plot +=
+          fmt::format("{}${} using 1:2 with lines lw 1.5 lc rgb '{}' title {}", plot.empty() ? "plot " : ", ",
+                      name, colour, Quoted(campaign.specimen + " " + limit.quantity));
       if (!limit.forecast.is_approached) continue;
+      top += kApart;
       const double high = std::isfinite(limit.forecast.interval.high) ? limit.forecast.interval.high
                                                                       : 3.0 * limit.forecast.cycle;
-      const std::vector<double> at{limit.forecast.cycle}, one{1.0}, low{limit.forecast.interval.low},
+      const std::vector<double> at{limit.forecast.cycle}, height{top}, low{limit.forecast.interval.low},
           until{high};
-      script += DataBlock(name + "met", {at, one, low, until});
-      plot += fmt::format(", ${}met using 1:2:3:4 with xerrorbars pt 7 lw 1.5 title 'forecast'", name);
+      const std::vector<double> way_cycle{shown.cycle.back(), limit.forecast.cycle},
+          way{shown.way.back(), 1.0};
+      script += DataBlock(name + "met", {at, height, low, until});
+      script += DataBlock(name + "way", {way_cycle, way});
+      plot += fmt::format(
+          ", ${0}way using 1:2 with lines lw 1.2 dt 3 lc rgb '{1}' notitle"
+          ", ${0}met using 1:2:3:4 with xerrorbars pt 7 lw 1.8 lc rgb '{1}' notitle",
+          name, colour);
     }
   }
-  script += CommonStyle() +
-            "set xlabel 'cycle'\nset ylabel 'way to the limit'\nset yrange [*:1.15]\nset key top left\nset "
-            "title 'way to each limit, and when it is forecast to be met'\n";
+  script +=
+      CommonStyle() +
+      fmt::format("set xlabel 'cycle' offset 0,0.6\nset ylabel 'way to the limit'\nset yrange [*:{:.4g}]\n",
+                  top + kApart) +
+      "set key outside below\nset title 'way to each limit, and when it is forecast to be met (above the "
+      "limit, with its interval)'\n";
   return RenderPicture(script + plot + ", 1 with lines dt 2 lc rgb '#444444' title 'limit'\n", stem,
                        {1000, 700});
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -8,12 +11,14 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
+#include "bench/plots/child_program.h"
 #include "bench/plots/gnuplot.h"
 #include "bench/plots/hysteresis_picture.h"
 #include "bench/plots/script.h"
@@ -108,6 +113,37 @@ analysis::SweepError Sweep(double e_max_arcmin) {
                    .amplitude_rad = {1e-6, 0.0},
                    .name = ""}};
   return sweep;
+}
+
+TEST(RunChild, TellsHowItEnded) {
+  const ChildEnd failed = RunChild({"sh", "-c", "cat; echo wrong >&2; exit 3"}, "given ");
+  EXPECT_EQ(failed.error, 0);
+  EXPECT_EQ(failed.exit_code, 3);
+  EXPECT_EQ(failed.signal, 0);
+  EXPECT_EQ(failed.said, "given wrong");
+  EXPECT_EQ(RunChild({"sh", "-c", "kill -9 $$"}, "").signal, SIGKILL);
+  EXPECT_EQ(RunChild({"no-such-program-of-strainwave"}, "").error, ENOENT);
+}
+
+TEST(RunChild, EndsWhatTakesTooLongWithAllThatItStarted) {
+  const ChildEnd end =
+      RunChild({"sh", "-c", "sleep 1000 & echo $!; wait"}, "", std::chrono::milliseconds(300));
+  EXPECT_TRUE(end.late);
+  EXPECT_EQ(end.signal, SIGKILL);
+  // The one that it had started is nobody's child, and ends when the system comes to it.
+  const std::string status = "/proc/" + end.said + "/stat";
+  const auto runs = [&] {
+    std::ifstream file(status);
+    std::string pid, name, state;
+    return static_cast<bool>(file >> pid >> name >> state) && state != "Z";
+  };
+  while (runs()) std::this_thread::yield();
+}
+
+TEST(RunChild, LeavesWhatEndsInTime) {
+  const ChildEnd end = RunChild({"echo", "done"}, "", std::chrono::minutes(1));
+  EXPECT_FALSE(end.late);
+  EXPECT_EQ(end.said, "done");
 }
 
 TEST(Quoted, KeepsEveryCharacterButControlOnes) {
