@@ -9,6 +9,7 @@
 
 #include "analysis/decompositions.h"
 #include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/interval_95.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -91,7 +92,6 @@ FitErrors ErrorsOfFit(const Eigen::MatrixXd& sensitivities, std::span<const doub
 
 double StandardErrorOver(std::span<const Believed> models) {
   constexpr double kShare = 0.95;
-  constexpr double kErrors = 1.959964;  // of a normal distribution that hold this share
   double all = 0.0;
   double farthest = 0.0;
   if (!std::isfinite(models[0].standard_error)) return models[0].standard_error;
@@ -119,7 +119,7 @@ double StandardErrorOver(std::span<const Believed> models) {
     const double middle = 0.5 * (below + above);
     (share_within(middle) < kShare ? below : above) = middle;
   }
-  return above / kErrors;
+  return above / kStandardErrorsOf95;
 }
 
 void WidenErrors(std::span<const OtherModel> others, std::vector<ParameterValue>& numbers) {

@@ -10,12 +10,11 @@
 #include <fmt/format.h>
 
 #include "analysis/explanation/shapley.h"
+#include "analysis/interval_95.h"
 #include "analysis/statistics/convex_hull.h"
 
 namespace strainwave::analysis::health {
 namespace {
-
-constexpr double kQuantile = 1.959963984540054;  // of 95 %, both sides
 
 // Sums of corners of the box, in the system's index.
 class Corners {
@@ -27,7 +26,7 @@ class Corners {
   Eigen::Index count() const { return mean_.size(); }
   Bounded Sum(const Eigen::VectorXd& weights) const {
     const double value = weights.dot(mean_);
-    const double half = kQuantile * std::sqrt(std::max(0.0, weights.dot(covariance_ * weights)));
+    const double half = kStandardErrorsOf95 * std::sqrt(std::max(0.0, weights.dot(covariance_ * weights)));
     return {value, value - half, value + half};
   }
 
@@ -66,8 +65,8 @@ std::vector<SystemAt> SystemsAt(const statistics::GaussianProcess& surface, cons
   std::vector<SystemAt> systems;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const double value = scale.Index(posterior.mean(i));
-    const double half =
-        kQuantile * std::abs(scale.factor()) * std::sqrt(std::max(0.0, posterior.covariance(i, i)) + noise);
+    const double half = kStandardErrorsOf95 * std::abs(scale.factor()) *
+                        std::sqrt(std::max(0.0, posterior.covariance(i, i)) + noise);
     systems.push_back({{value, value - half, value + half},
                        statistics::DistanceFromHull(surface.data().points, points.row(i)) > 0.0});
   }

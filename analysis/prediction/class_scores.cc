@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "analysis/interval_95.h"
+
 namespace strainwave::analysis::prediction {
 
 double AreaUnderCurve(std::span<const int> actual, std::span<const double> score) {
@@ -36,7 +38,7 @@ double AreaUnderCurve(std::span<const int> actual, std::span<const double> score
 ShareInterval WilsonInterval(double hits, double cases) {
   if (!(cases > 0.0 && hits >= 0.0 && hits <= cases))
     throw std::invalid_argument("a share is of one case or more, with at most as many hits");
-  constexpr double kNormal = 1.959963984540054;  // 97.5 % of a normal distribution lie below
+  constexpr double kNormal = kStandardErrorsOf95;
   const double share = hits / cases;
   const double square = kNormal * kNormal / cases;
   const double middle = (share + 0.5 * square) / (1.0 + square);

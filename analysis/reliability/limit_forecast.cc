@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/reliability/limit_forecast.h"
 
+#include <ceres/tiny_solver.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -77,6 +79,7 @@ class SeenPath {
     expected_.tail(kKnots).setConstant(kExponentGrowth * knot_);
   }
 
+  Eigen::Index size() const { return way_.size(); }
   const VectorXd& prior() const { return prior_; }
   const VectorXd& expected() const { return expected_; }
 
@@ -119,36 +122,43 @@ struct Posterior {
   double free_parameters{};  // as many as the points determine
 };
 
-// Levenberg-Marquardt; steps in logarithms of rates stay short.
-Posterior MaximumOf(const SeenPath& path, double variance, VectorXd at) {
-  constexpr int kIterations = 60;
-  constexpr double kLongestStep = 2.0;
-  const auto cost = [&](const VectorXd& x) {
-    return path.Residuals(x).squaredNorm() / variance + path.prior().dot((x - path.expected()).cwiseAbs2());
-  };
-  double before = cost(at);
-  double damping = 1e-6;
-  for (int i = 0; i < kIterations; ++i) {
-    const MatrixXd jacobian = path.Jacobian(at);
-    const MatrixXd normal = jacobian.transpose() * jacobian / variance + MatrixXd(path.prior().asDiagonal());
-    const VectorXd gradient = jacobian.transpose() * path.Residuals(at) / variance -
-                              path.prior().cwiseProduct(at - path.expected());
-    double gain = 0.0;
-    for (int attempt = 0; attempt < 12; ++attempt) {
-      const MatrixXd damped = normal + damping * MatrixXd(normal.diagonal().asDiagonal());
-      const VectorXd step = damped.ldlt().solve(gradient).cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
-      const double after = cost(at + step);
-      if (after < before) {
-        gain = before - after;
-        at += step;
-        before = after;
-        break;
-      }
-      damping *= 10.0;
+// What was seen over its noise, then each parameter off what is expected over its deviation; as
+// ceres::TinySolver asks for it.
+class WeighedPath {
+ public:
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kParameters };
+
+  WeighedPath(const SeenPath& path, double variance)
+      : path_(path), weight_(1.0 / std::sqrt(variance)), prior_(path.prior().cwiseSqrt()) {}
+
+  int NumResiduals() const { return static_cast<int>(path_.size() + kParameters); }
+
+  bool operator()(const double* parameters, double* residuals, double* jacobian) const {
+    const VectorXd at = VectorXd::Map(parameters, kParameters);
+    Eigen::Map<VectorXd> out(residuals, NumResiduals());
+    out.head(path_.size()) = weight_ * path_.Residuals(at);
+    out.tail(kParameters) = prior_.cwiseProduct(at - path_.expected());
+    if (jacobian != nullptr) {
+      Eigen::Map<MatrixXd> slopes(jacobian, NumResiduals(), kParameters);
+      slopes.topRows(path_.size()) = -weight_ * path_.Jacobian(at);
+      slopes.bottomRows(kParameters) = prior_.asDiagonal();
     }
-    damping *= 0.2;
-    if (!(gain > 1e-6 * (1.0 + before))) break;
+    return true;
   }
+
+ private:
+  const SeenPath& path_;
+  double weight_;
+  VectorXd prior_;  // 1/deviation
+};
+
+Posterior MaximumOf(const SeenPath& path, double variance, const VectorXd& start) {
+  constexpr int kIterations = 60;
+  ceres::TinySolver<WeighedPath> solver;
+  solver.options.max_num_iterations = kIterations;
+  Eigen::Matrix<double, kParameters, 1> at = start;
+  solver.Solve(WeighedPath(path, variance), &at);
   const MatrixXd jacobian = path.Jacobian(at);
   const MatrixXd told = jacobian.transpose() * jacobian / variance;
   Posterior posterior{at, told + MatrixXd(path.prior().asDiagonal()), path.Residuals(at), 0.0};
