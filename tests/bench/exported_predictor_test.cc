@@ -202,7 +202,8 @@ TEST_F(AnExportedFolder, FindsWhatIsWrongWithSignals) {
   odd = good;
   for (double& value : odd[2]) value = std::clamp(value, -2.5, 2.0);
   EXPECT_TRUE(FaultOf(odd).starts_with("clipped: accel_z_m_per_s2 stays at its end value ")) << FaultOf(odd);
-  auto named = Named(TestRecipe().channels, good);
+  const std::vector<std::string> channels = TestRecipe().channels;
+  auto named = Named(channels, good);
   named.erase(named.begin());
   EXPECT_EQ(
       FaultOf(named),
