@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daq/read_records.h"
 
+#include <algorithm>
+
 #include "daq/csv_record.h"
 #include "daq/cycle_file.h"
 #include "daq/hdf5_handle.h"
@@ -28,7 +30,12 @@ std::vector<Record> ReadRecords(const std::filesystem::path& path) {
   }
   return ReadInOwnProcess(path, LimitsForFile(path), [&path] {
     std::vector<Record> read;
-    for (NamedRecord& named : ReadCycleFile(path).records) read.push_back(std::move(named.record));
+    CycleFile file = ReadCycleFile(path);
+    const auto specimen = std::ranges::find(file.attributes, "specimen", &Attributes::value_type::first);
+    for (NamedRecord& named : file.records) {
+      read.push_back(std::move(named.record));
+      if (specimen != file.attributes.end()) read.back().source.specimen = specimen->second;
+    }
     return read;
   });
 }

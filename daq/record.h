@@ -37,8 +37,9 @@ struct Column {
 /// Where a record came from, for messages: a CSV line, or an HDF5 group.
 struct RecordSource {
   std::string file;
-  int first_data_line{};  // 1-based; 0 for HDF5
-  std::string group{};    // HDF5 path of the record; empty for CSV
+  int first_data_line{};   // 1-based; 0 for HDF5
+  std::string group{};     // HDF5 path of the record; empty for CSV
+  std::string specimen{};  // of whom all records of an HDF5 file are, by its attribute; may be empty
 };
 
 /// What a reader of a record left out, took by default, found odd or corrected, in words.

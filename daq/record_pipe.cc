@@ -175,6 +175,7 @@ void Send(Sender& out, const Record& record) {
   Send(out, record.notes);
   out.Text(record.source.file);
   out.Text(record.source.group);
+  out.Text(record.source.specimen);
   out.Number(record.columns.size());
   for (const Column& column : record.columns) Send(out, column);
 }
@@ -186,6 +187,7 @@ Record ReceiveRecord(Receiver& in) {
   record.notes = ReceiveNotes(in);
   record.source.file = in.Text();
   record.source.group = in.Text();
+  record.source.specimen = in.Text();
   record.columns.resize(in.Count(kMostColumns));
   for (Column& column : record.columns) column = ReceiveColumn(in);
   return record;

@@ -2,53 +2,23 @@
 
 #include <malloc.h>
 
-#include <chrono>
-#include <cmath>
 #include <memory>
-#include <optional>
-#include <stdexcept>
 
-#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "analysis/diagnosis/detection_power.h"
-#include "analysis/diagnosis/diagnose.h"
-#include "analysis/diagnosis/residuals.h"
 #include "bench/campaign/folder.h"
-#include "bench/campaign/on_all_processors.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/diagnose_steps.h"
 #include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
-#include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/diagnosis/diagnosis_json.h"
-#include "bench/diagnosis/diagnosis_pictures.h"
 #include "bench/diagnosis/diagnosis_text.h"
-#include "bench/diagnosis/extended_model.h"
-#include "bench/diagnosis/nominal_models.h"
 #include "bench/diagnosis/power_report.h"
-#include "bench/diagnosis/residual_views.h"
 #include "bench/errors/bench_error.h"
-#include "bench/plots/gnuplot.h"
-#include "bench/utc.h"
-#include "daq/whole_file.h"
 
 namespace strainwave::bench {
 namespace {
-
-namespace diagnosis = analysis::diagnosis;
-
-struct DiagnoseCommand {
-  std::vector<std::string> paths;
-  std::string model;
-  std::string out;
-  RecordChoice choice;
-  unsigned long long seed{1};
-  bool details{};
-  bool power{};
-  std::string map;
-  bool json{};
-};
 
 // What the diagnosis itself takes of the time; the rest are pictures.
 constexpr double kShareOfFits = 0.8;
@@ -61,135 +31,36 @@ void KeepFreedMemory() {
   mallopt(M_TOP_PAD, 16 << 20);
 }
 
-diagnosis::DiagnoseOptions OptionsOf(const StudyInput& input, const std::optional<ExtendedModel>& model,
-                                     const DiagnoseCommand& command) {
-  diagnosis::DiagnoseOptions options;
-  options.seed = command.seed;
-  options.parallel = OnAllProcessors;
-  options.simulate = input.simulate;
-  if (model) options.given_causes = GivenCauses(*model, *input.study, command.model);
-  return options;
-}
-
-diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, diagnosis::DiagnoseOptions options,
-                                  const DiagnoseCommand& command, ShareLine& line) {
-  options.progress = [&](const std::string& step, double share) {
-    line.Show(step, share * (command.out.empty() ? 1.0 : kShareOfFits));
-  };
-  try {
-    return diagnosis::Diagnose(*input.study, options);
-  } catch (const std::invalid_argument& error) {
-    throw BenchError(ExitCode::kWrongInput,
-                     fmt::format("{}: error: {}", input.records.front().file, error.what()));
-  }
-}
-
-// A line of its own: how long it takes says nothing of how long the diagnosis took.
-diagnosis::DetectionPower MeasurePower(const StudyInput& input, const diagnosis::Diagnosis& result,
-                                       diagnosis::DiagnoseOptions options) {
-  ShareLine line;
-  options.progress = [&](const std::string& step, double share) { line.Show(step, share); };
-  return diagnosis::MeasureDetectionPower(*input.study, result, options);
-}
-
 // Each of some hundred records would be judged by up to 19 more.
 void RefusePowerOfSimulation(const DiagnoseCommand& command) {
   if (command.power && command.choice.simulated)
     Refuse(command.paths.front(), "--power beside --judge-by-simulation", "one of the two");
 }
 
-std::optional<ExtendedModel> ReadModel(const DiagnoseCommand& command, StudyKind kind) {
-  if (command.model.empty()) return std::nullopt;
-  ExtendedModel model = ReadExtendedModel(command.model);
-  if (model.kind != kind) {
-    throw BenchError(ExitCode::kWrongInput,
-                     fmt::format("{}: error: the model is of kind {}, the records of kind {} (expected one "
-                                 "kind)",
-                                 command.model, NameOf(model.kind), NameOf(kind)));
-  }
-  return model;
-}
-
-// The plant's terms of a model; what the simulated bench has no place for stays out with a word.
-PlantMapping PlantOf(const ExtendedModel& model, const MappingContext& context) {
-  if (model.kind == StudyKind::kCampaign) return {{}, {"the model of a campaign has no terms of the plant"}};
-  try {
-    PlantMapping plant = PlantTermsOf(model.kind, model.nominal, NamedCausesOf(model, false), context);
-    for (const diagnosis::ParameterValue& number : model.nominal) {
-      if (std::isinf(number.standard_error))
-        plant.not_run.push_back(number.name + ": left open by the records; one value of many is taken");
-    }
-    return plant;
-  } catch (const std::invalid_argument& error) {
-    return {{}, {error.what()}};
-  }
-}
-
-std::vector<RecordWarning> WarningsOfOpen(const diagnosis::Diagnosis& result, const StudyInput& input) {
-  const std::string file = input.records.size() == 1 ? input.records.front().file : "";
-  std::vector<RecordWarning> warnings;
-  for (const std::string& words : result.open) warnings.push_back({file, 0, words});
-  return warnings;
-}
-
 int Run(const DiagnoseCommand& command) {
   RefusePowerOfSimulation(command);
   KeepFreedMemory();
+  if (command.by_specimen) return RunBySpecimen(command);
   ShareLine line;
   line.Show("reading " + FileText(command.paths.front()), 0.0);
   RecordChoice choice = command.choice;
   choice.reader = RecordReader(command.map);
-  StudyInput input = ReadStudyInput(command.paths, choice);
-  const std::optional<ExtendedModel> given = ReadModel(command, input.kind);
-  TellWarnings(input.warnings);
-  const diagnosis::DiagnoseOptions options = OptionsOf(input, given, command);
-  diagnosis::Diagnosis result = RunDiagnosis(input, options, command, line);
-  result.notes.insert(result.notes.begin(), input.notes.begin(), input.notes.end());
-  const std::vector<RecordWarning> open = WarningsOfOpen(result, input);
-  TellWarnings(open);
-  input.warnings.insert(input.warnings.end(), open.begin(), open.end());
-  DiagnosisReport report{
-      input, result, command.model, given ? given->nominal : DataSheetParameters(input.kind), {}};
-  if (result.verdict == diagnosis::Verdict::kUnnamedStructure) {
-    const std::vector<double> residual = diagnosis::ResidualsOf(*input.study, result.nominal);
-    report.formula = diagnosis::ProposeFormula(
-        *input.study,
-        Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size())),
-        result.weights, command.seed);
-  }
-  const auto start = std::chrono::steady_clock::now();
-  if (command.power) {
-    line.Clear();
-    report.power = MeasurePower(input, result, options);
-  }
-  const std::chrono::duration<double> planting = std::chrono::steady_clock::now() - start;
-  const nlohmann::ordered_json document = DiagnosisJson(report);
-  std::string files;
-  std::string picture_trouble;
+  const double of_fits = command.out.empty() ? 1.0 : kShareOfFits;
+  const FinishedDiagnosis finished =
+      DiagnoseInput(ReadStudyInput(command.paths, choice), {}, command, line,
+                    [&](const std::string& step, double share) { line.Show(step, share * of_fits); });
+  DiagnosisFiles files;
   if (!command.out.empty()) {
-    const std::filesystem::path folder = command.out;
-    std::filesystem::create_directories(folder);
-    ExtendedModel model = ExtendedModelOf(input, result, UtcNow());
-    model.plant = PlantOf(model, input.mapping);
-    daq::WriteFileAtomically(folder / "extended_model.yaml", ExtendedModelText(model));
-    daq::WriteFileAtomically(folder / "diagnosis.json", document.dump(2) + "\n");
-    std::vector<std::filesystem::path> pictures;
-    try {
-      pictures = DrawDiagnosis(report, folder, [&](double share) {
-        line.Show("pictures", kShareOfFits + (1.0 - kShareOfFits) * share);
-      });
-    } catch (const GnuplotError& error) {
-      picture_trouble = error.what();
-    }
-    files = FilesText(folder / "extended_model.yaml", pictures);
+    files = WriteDiagnosis(finished, command.out, [&](double share) {
+      line.Show("pictures", kShareOfFits + (1.0 - kShareOfFits) * share);
+    });
   }
   line.Clear();
-  command.json ? ToStdout("{}\n", document.dump(2))
+  const DiagnosisReport report = finished.Report();
+  command.json ? ToStdout("{}\n", DiagnosisJson(report).dump(2))
                : ToStdout("{}{}{}", DiagnosisText(report, command.details),
-                          PowerText(report, DurationText(planting.count())), files);
-  if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
-  ToStderr("error: no pictures: {}\n", picture_trouble);
-  return static_cast<int>(ExitCode::kMachineFailed);
+                          PowerText(report, DurationText(finished.power_took_s)), files.text);
+  return CodeOfPictures(files.picture_trouble);
 }
 
 }  // namespace
@@ -214,6 +85,9 @@ void AddDiagnose(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"transmission_error", "hysteresis", "motion", "vibration"}));
   command->add_option("--group", options->choice.group,
                       "of HDF5 files: only records with this in the name of their group");
+  command->add_flag("--by-specimen", options->by_specimen,
+                    "records of several specimens: each is diagnosed by itself, then what they share (the "
+                    "bench) and what is one's own (the unit)");
   command->add_option("--seed", options->seed, "of the bootstrap")->capture_default_str();
   command->add_flag("--details", options->details, "with the numbers of every line and every channel");
   command->add_flag(

@@ -10,8 +10,8 @@
 #include "bench/diagnosis/parameter_words.h"
 #include "bench/diagnosis/plain_words.h"
 #include "bench/diagnosis/residual_views.h"
+#include "bench/diagnosis/text_sections.h"
 #include "bench/diagnosis/trust_report.h"
-#include "bench/plots/script.h"
 #include "bench/text.h"
 
 namespace strainwave::bench {
@@ -21,7 +21,6 @@ namespace diagnosis = analysis::diagnosis;
 using diagnosis::CauseRule;
 using diagnosis::ParameterValue;
 
-constexpr std::size_t kLineWidth = 110;
 constexpr std::size_t kCandidatesShown = 12;
 constexpr double kCloseToNoise = 1.2;
 
@@ -35,38 +34,6 @@ std::string WhereWords(diagnosis::Where where) {
       return "in the bench or in the unit, which these records cannot tell";
   }
   return {};
-}
-
-// Words in lines of at most kLineWidth, the first one behind `head`.
-std::string Wrapped(const std::string& head, const std::string& words, std::size_t indent) {
-  std::string text;
-  std::string line = head;
-  std::size_t at = 0;
-  while (at < words.size()) {
-    const std::size_t end = std::min(words.find(' ', at), words.size());
-    const std::string word = words.substr(at, end - at);
-    if (line.size() + word.size() + 1 > kLineWidth && line.size() > indent) {
-      text += line + "\n";
-      line = std::string(indent, ' ') + word;
-    } else {
-      line += line.empty() || line.back() == ' ' ? word : " " + word;
-    }
-    at = end + 1;
-  }
-  return text + line + "\n";
-}
-
-// A section's name stands in a column of its own.
-std::string Section(std::string_view name, const std::string& words) {
-  return Wrapped(Text("{:<13}", name), words, 13);
-}
-
-std::string ValueText(const ParameterValue& parameter) {
-  if (!std::isfinite(parameter.standard_error)) return "–";
-  const std::string unit = parameter.unit == "1" ? "" : parameter.unit;
-  std::string text = EstimateText({parameter.value, parameter.standard_error}, unit);
-  while (text.ends_with(' ')) text.pop_back();
-  return text;
 }
 
 // Of a share: what is there never reads as nothing.

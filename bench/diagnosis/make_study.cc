@@ -35,46 +35,12 @@ std::vector<Data> AllOf(std::span<const Record> records, Data (*data_of)(const R
   return all;
 }
 
-std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const RecordChoice& choice) {
-  std::vector<Record> records;
-  std::set<std::string> kinds;
-  for (const std::string& path : paths) {
-    if (std::filesystem::is_directory(path)) {
-      throw BenchError(ExitCode::kWrongInput,
-                       fmt::format("{}: error: a campaign stands beside other paths (expected one "
-                                   "campaign folder alone, or record files)",
-                                   path));
-    }
-    for (Record& record : choice.reader.Read(path)) {
-      if (!choice.group.empty() && record.source.group.find(choice.group) == std::string::npos) continue;
-      const bool diagnosed = StudyKindOf(record.kind).has_value();
-      if (choice.kind.empty() ? !diagnosed && record.source.first_data_line == 0
-                              : record.kind.name() != choice.kind)
-        continue;
-      if (!diagnosed) {
-        throw RecordRefusal(record, fmt::format("a record of kind {} cannot be diagnosed (expected {})",
-                                                record.kind.name(), kDiagnosedKinds));
-      }
-      LookAtSamples(record);
-      kinds.emplace(record.kind.name());
-      records.push_back(std::move(record));
-    }
-  }
-  if (records.empty()) {
-    throw BenchError(
-        ExitCode::kWrongInput,
-        fmt::format("{}: error: no record to diagnose{}{} (expected {})", paths.front(),
-                    choice.kind.empty() ? "" : " of kind " + choice.kind,
-                    choice.group.empty() ? "" : " in a group with '" + choice.group + "' in its name",
-                    kDiagnosedKinds));
-  }
-  if (kinds.size() > 1) {
-    throw BenchError(ExitCode::kWrongInput,
-                     fmt::format("{}: error: the records are of {} kinds: {} (expected one kind; --kind "
-                                 "chooses it)",
-                                 paths.front(), kinds.size(), fmt::join(kinds, ", ")));
-  }
-  return records;
+void RefuseSimulation(const RecordChoice& choice, StudyKind kind, const std::string& file) {
+  if (!choice.simulated || kind == StudyKind::kMotion) return;
+  throw BenchError(ExitCode::kWrongInput,
+                   fmt::format("{}: error: a record of kind {} is not judged by simulation (expected one of "
+                               "kind motion, or no --judge-by-simulation)",
+                               file, NameOf(kind)));
 }
 
 MappingContext MappingOf(const Record& record) {
@@ -148,6 +114,13 @@ void RefuseTheSameTwice(const Record& record, std::span<const RecordIdentity> be
   }
 }
 
+void AddStudyWarnings(StudyInput& input) {
+  for (const std::string& warning : input.study->warnings()) {
+    // Of several records it says itself which one it means.
+    input.warnings.push_back({input.records.size() == 1 ? input.records.front().file : "", 0, warning});
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> StudyInput::WarningTexts() const {
@@ -163,45 +136,82 @@ std::unique_ptr<diagnosis::Study> MakeStudy(std::span<const Record> records) {
   return diagnosis::MakeVibrationStudy(AllOf(records, VibrationDataOf), OnAllProcessors);
 }
 
-StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordChoice& choice) {
-  StudyInput input;
-  if (paths.size() == 1 && std::filesystem::is_directory(paths.front())) {
-    input = ReadCampaign(paths.front());
-  } else {
-    std::vector<Record> records = ReadChosen(paths, choice);
-    input.kind = *StudyKindOf(records.front().kind);
-    input.mapping = MappingOf(records.front());
-    std::optional<CampaignBeside> beside;
-    for (Record& record : records) {
-      const bool same_file = !input.records.empty() && input.records.back().file == record.source.file;
-      std::string sha256 = same_file ? input.records.back().sha256 : Sha256(ReadText(record.source.file));
-      RefuseTheSameTwice(record, input.records, sha256);
-      input.records.push_back({record.source.file, record.source.group, std::move(sha256), record.rows()});
-      if (!same_file) beside = FindCampaignBeside(record.source.file);
-      const RecordContext context = ContextOfRecord(record, beside);
-      for (const std::string& warning : context.warnings) record.notes.push_back({0, warning});
-      for (const std::string& note : context.notes)
-        if (std::ranges::find(input.notes, note) == input.notes.end()) input.notes.push_back(note);
-      if (record.kind == daq::RecordKind::kVibration && !record.Metadata("ratio"))
-        record.notes.push_back({0, "metadata ratio is missing: the default of 80 is taken"});
-      record = Corrected(std::move(record), context.corrections);
-      for (RecordWarning& warning : WarningsOf(record)) input.warnings.push_back(std::move(warning));
+std::vector<Record> ReadChosenRecords(const std::vector<std::string>& paths, const RecordChoice& choice) {
+  std::vector<Record> records;
+  std::set<std::string> kinds;
+  for (const std::string& path : paths) {
+    if (std::filesystem::is_directory(path)) {
+      throw BenchError(ExitCode::kWrongInput,
+                       fmt::format("{}: error: a campaign stands beside other paths (expected one "
+                                   "campaign folder alone, or record files)",
+                                   path));
     }
-    input.study = MakeStudyOrSay(records);
-    if (choice.simulated && input.kind == StudyKind::kMotion)
-      input.simulate = diagnosis::SimulateMotion(AllOf<diagnosis::MotionData>(records, MotionDataOf));
+    for (Record& record : choice.reader.Read(path)) {
+      if (!choice.group.empty() && record.source.group.find(choice.group) == std::string::npos) continue;
+      const bool diagnosed = StudyKindOf(record.kind).has_value();
+      if (choice.kind.empty() ? !diagnosed && record.source.first_data_line == 0
+                              : record.kind.name() != choice.kind)
+        continue;
+      if (!diagnosed) {
+        throw RecordRefusal(record, fmt::format("a record of kind {} cannot be diagnosed (expected {})",
+                                                record.kind.name(), kDiagnosedKinds));
+      }
+      LookAtSamples(record);
+      kinds.emplace(record.kind.name());
+      records.push_back(std::move(record));
+    }
   }
-  if (choice.simulated && input.kind != StudyKind::kMotion) {
+  if (records.empty()) {
     throw BenchError(
         ExitCode::kWrongInput,
-        fmt::format("{}: error: a record of kind {} is not judged by simulation (expected one of "
-                    "kind motion, or no --judge-by-simulation)",
-                    paths.front(), NameOf(input.kind)));
+        fmt::format("{}: error: no record to diagnose{}{} (expected {})", paths.front(),
+                    choice.kind.empty() ? "" : " of kind " + choice.kind,
+                    choice.group.empty() ? "" : " in a group with '" + choice.group + "' in its name",
+                    kDiagnosedKinds));
   }
-  for (const std::string& warning : input.study->warnings()) {
-    // Of several records it says itself which one it means.
-    input.warnings.push_back({input.records.size() == 1 ? input.records.front().file : "", 0, warning});
+  if (kinds.size() > 1) {
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: the records are of {} kinds: {} (expected one kind; --kind "
+                                 "chooses it)",
+                                 paths.front(), kinds.size(), fmt::join(kinds, ", ")));
   }
+  return records;
+}
+
+StudyInput StudyInputOf(std::vector<Record> records, const RecordChoice& choice) {
+  StudyInput input;
+  input.kind = *StudyKindOf(records.front().kind);
+  RefuseSimulation(choice, input.kind, records.front().source.file);
+  input.mapping = MappingOf(records.front());
+  std::optional<CampaignBeside> beside;
+  for (Record& record : records) {
+    const bool same_file = !input.records.empty() && input.records.back().file == record.source.file;
+    std::string sha256 = same_file ? input.records.back().sha256 : Sha256(ReadText(record.source.file));
+    RefuseTheSameTwice(record, input.records, sha256);
+    input.records.push_back({record.source.file, record.source.group, std::move(sha256), record.rows()});
+    if (!same_file) beside = FindCampaignBeside(record.source.file);
+    const RecordContext context = ContextOfRecord(record, beside);
+    for (const std::string& warning : context.warnings) record.notes.push_back({0, warning});
+    for (const std::string& note : context.notes)
+      if (std::ranges::find(input.notes, note) == input.notes.end()) input.notes.push_back(note);
+    if (record.kind == daq::RecordKind::kVibration && !record.Metadata("ratio"))
+      record.notes.push_back({0, "metadata ratio is missing: the default of 80 is taken"});
+    record = Corrected(std::move(record), context.corrections);
+    for (RecordWarning& warning : WarningsOf(record)) input.warnings.push_back(std::move(warning));
+  }
+  input.study = MakeStudyOrSay(records);
+  if (choice.simulated)
+    input.simulate = diagnosis::SimulateMotion(AllOf<diagnosis::MotionData>(records, MotionDataOf));
+  AddStudyWarnings(input);
+  return input;
+}
+
+StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordChoice& choice) {
+  if (paths.size() != 1 || !std::filesystem::is_directory(paths.front()))
+    return StudyInputOf(ReadChosenRecords(paths, choice), choice);
+  StudyInput input = ReadCampaign(paths.front());
+  RefuseSimulation(choice, input.kind, paths.front());
+  AddStudyWarnings(input);
   return input;
 }
 

@@ -53,10 +53,17 @@ inline constexpr std::string_view kDiagnosedKinds = "transmission_error, hystere
 /// @throws std::invalid_argument where they cannot be diagnosed, in words for a technician.
 std::unique_ptr<analysis::diagnosis::Study> MakeStudy(std::span<const daq::Record> records);
 
+/// The records of these files that are meant, all of one kind.
+/// @throws daq::RecordError for a file that breaks the rules of records; BenchError for mixed kinds, none of
+///   the kind chosen, or a folder.
+std::vector<daq::Record> ReadChosenRecords(const std::vector<std::string>& paths, const RecordChoice& choice);
+
+/// What is needed to diagnose such records together.
+/// @throws BenchError for the same record twice, and whatever `CheckRecord`'s kin or the study refuse.
+StudyInput StudyInputOf(std::vector<daq::Record> records, const RecordChoice& choice);
+
 /// Reads record files, or one campaign folder, and checks them.
-/// @throws daq::RecordError for a file that breaks the rules of records; BenchError with
-///   `FILE: error: WHAT (what was expected)` for records that cannot be diagnosed: mixed kinds, none of the
-///   kind chosen, and whatever `CheckRecord`'s kin or the study refuse.
+/// @throws as both, with `FILE: error: WHAT (what was expected)`.
 StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordChoice& choice);
 
 }  // namespace strainwave::bench

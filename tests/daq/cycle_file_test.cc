@@ -286,6 +286,14 @@ TEST(ReadSensorSerials, NamesEachSensorOnceWithItsColumn) {
   EXPECT_THROW(ReadSensorSerials(folder / "none.h5"), RecordError);
 }
 
+TEST(ReadRecords, KnowWhoseTheyAreByTheFile) {
+  const ScratchFolder folder;
+  WriteRecordsAtomically(folder / "a.h5", Samples(), kAttributes);
+  for (const Record& record : ReadRecords(folder / "a.h5")) EXPECT_EQ(record.source.specimen, "A-3");
+  WriteRecordsAtomically(folder / "b.h5", Samples());
+  for (const Record& record : ReadRecords(folder / "b.h5")) EXPECT_EQ(record.source.specimen, "");
+}
+
 TEST(ReadRecords, TellsHdf5FromCsvByContentAndNotByName) {
   const ScratchFolder folder;
   WriteRecordsAtomically(folder / "misleading.csv", Samples());
