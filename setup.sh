@@ -24,7 +24,7 @@ TEXT
 # What the program is built from, and gnuplot, which draws its pictures.
 BUILD_PACKAGES=(
   cmake ninja-build g++ ccache
-  libeigen3-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
+  libeigen3-dev libhwy-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libhdf5-dev libmatio-dev libsndfile1-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev
