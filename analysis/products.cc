@@ -132,8 +132,9 @@ HWY_INLINE void AddProducts(RowView<const Scalar> a, RowView<const Scalar> b, In
   for (; i + kLanes <= terms; i += kLanes) {
     for (Index r = 0; r < Height; ++r) {
       const Vector values = *reinterpret_cast<const Vector*>(a.data + r * a.stride + i);
-      // One row of b: nothing of a is read twice, and the machine's own guess ends with every short row.
-      if constexpr (Width == 1) __builtin_prefetch(a.data + (r + Height) * a.stride + i);
+      // One row of b: nothing of a is read twice, and the machine's own guess ends with every short row. A
+      // vector is a line of the cache, or the asking costs more than the waiting.
+      if constexpr (Width == 1 && Bytes == 64) __builtin_prefetch(a.data + (r + Height) * a.stride + i);
       for (Index s = 0; s < Width; ++s) {
         sums[r][s] += values * *reinterpret_cast<const Vector*>(b.data + s * b.stride + i);
       }
