@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long a vibration record takes to become features, and an epoch of the two networks. Run:
-// build/benchmarks/predictor_benchmark [--widest avx2|sse4|none] [options of Google Benchmark]; --widest leaves wider
-// vectors of this machine unused. Beside what others take: tests/benchmarks/run
+// build/benchmarks/predictor_benchmark [--widest avx2|sse4|none] [options of Google Benchmark]; --widest
+// leaves wider vectors of this machine unused. Beside what others take: tests/benchmarks/run
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -15,6 +16,7 @@
 #include "analysis/networks/training.h"
 #include "analysis/wavelets/decomposition.h"
 #include "bench/campaign/on_all_processors.h"
+#include "tests/benchmarks/peaks.h"
 
 namespace strainwave::analysis {
 namespace {
@@ -104,6 +106,31 @@ void PredictsOneRecord(benchmark::State& state) {
   }
 }
 BENCHMARK(PredictsOneRecord)->Unit(benchmark::kMicrosecond);
+
+// The roof over the others: operations a second, and bytes a second from and to memory.
+template <typename Scalar>
+void MultipliesAndAdds(benchmark::State& state) {
+  Scalar value = 1;
+  double operations = 0.0;
+  for (auto _ : state) operations += peaks::MultiplyAdd(100000, value);
+  benchmark::DoNotOptimize(value);
+  state.counters["per_second"] = benchmark::Counter(operations, benchmark::Counter::kIsRate);
+}
+BENCHMARK_TEMPLATE(MultipliesAndAdds, float);
+BENCHMARK_TEMPLATE(MultipliesAndAdds, double);
+
+void CopiesMemory(benchmark::State& state) {
+  const std::vector<double> from(std::size_t{1} << 25U, 1.0);  // past every cache but the largest of servers
+  std::vector<double> to(from.size());
+  for (auto _ : state) {
+    std::copy(from.begin(), from.end(), to.begin());
+    benchmark::DoNotOptimize(to.data());
+    benchmark::ClobberMemory();
+  }
+  const auto bytes = 2.0 * sizeof(double) * static_cast<double>(from.size() * state.iterations());
+  state.counters["per_second"] = benchmark::Counter(bytes, benchmark::Counter::kIsRate);
+}
+BENCHMARK(CopiesMemory);
 
 // False for a word that it does not know.
 bool UseAtMost(std::string_view widest) {
