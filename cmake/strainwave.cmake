@@ -28,8 +28,10 @@ function(strainwave_vector_loops)
   if(ARG_FAST)
     set(contract fast)
   endif()
+  # Not for vectors whose width is known when the program runs alone: they stand in no array.
   set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} PROPERTIES
-    COMPILE_OPTIONS "-O3;-ffp-contract=${contract}" SKIP_PRECOMPILE_HEADERS ON)
+    COMPILE_OPTIONS "-O3;-ffp-contract=${contract}" SKIP_PRECOMPILE_HEADERS ON
+    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
 endfunction()
 
 # strainwave_unity(target): compiles the files of one folder together, STRAINWAVE_UNITY at a time, since most of the
