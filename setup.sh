@@ -14,8 +14,8 @@ usage: ./setup.sh VERB
             what a plain simulation would have got wrong
   package   build, and make Debian packages in build/packages/
   test      install what the tests need besides, build everything, then run all tests with ctest
-  check     what takes long: format, links, the long tests, the larger blind set, a minute of each fuzz target, asan,
-            tsan, clang-tidy
+  check     what takes long: format, links, the long tests, speed against the last table, the larger blind set, a minute
+            of each fuzz target, asan, tsan, clang-tidy
 
 A second run with nothing to do takes seconds. Exit code: 0, or that of the step that failed.
 TEXT
@@ -24,7 +24,7 @@ TEXT
 # What the program is built from, and gnuplot, which draws its pictures.
 BUILD_PACKAGES=(
   cmake ninja-build g++ ccache
-  libeigen3-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
+  libeigen3-dev libhwy-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libhdf5-dev libmatio-dev libsndfile1-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev
@@ -243,6 +243,8 @@ check_sanitized() {
     ctest --preset "$1" --parallel "$(nproc)" --exclude-regex '^(blind_(fixed_set|clean_set|shared)|loggers_fixed_set)'
 }
 
+check_speed() { build predictor_benchmark && tests/benchmarks/run --check; }
+
 check_long() { build all && run_tests long; }
 
 check() {
@@ -251,6 +253,7 @@ check() {
   step "links and references" check_links
   step "program" build strainwave
   step "long tests" check_long
+  step "speed beside other libraries" check_speed
   step "blind set" check_blind
   step "records as loggers leave them" tests/loggers/run --seed 1 --jobs "$(nproc)"
   step "fuzz targets" tests/fuzz/run_all.sh 60

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/products.h"
 
-#include <algorithm>
+// This file again for each kind of machine (docs/decisions/0018-vectors.md). Vectors are the compiler's here,
+// which have a width to choose within one machine; products and sums are contracted where it can.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "analysis/products.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
-// One body for every width of vectors, inlined into a function for each machine.
-#define STRAINWAVE_INLINE __attribute__((always_inline)) inline
-
-namespace strainwave::analysis {
-namespace {
+HWY_BEFORE_NAMESPACE();
+namespace strainwave::analysis::HWY_NAMESPACE {
 
 using Index = std::ptrdiff_t;
 
@@ -28,17 +30,19 @@ constexpr Index kManyRows = 12;  // where a block is one or two vectors wide
 constexpr int kFewBytes = 16;
 
 template <typename Scalar, int Bytes, Index Height, Index Width>
-STRAINWAVE_INLINE void CombineBlock(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
-                                    Index terms, Sum sum) {
+HWY_INLINE void CombineBlock(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
+                             Index terms, Sum sum) {
   using Vector = typename VectorOf<Scalar, Bytes>::Type;
   constexpr Index kLanes = VectorOf<Scalar, Bytes>::kLanes;
   Vector sums[Height][Width]{};
   for (Index s = 0; s < terms; ++s) {
+    // All of a row of b, then one number of a after the other: sums and these fill sixteen registers.
     const Scalar* row = b.data + s * b.stride;
-    for (Index v = 0; v < Width; ++v) {
-      const Vector values = *reinterpret_cast<const Vector*>(row + v * kLanes);
-      for (Index r = 0; r < Height; ++r)
-        sums[r][v] += a.data[r * a.row_stride + s * a.column_stride] * values;
+    Vector values[Width];
+    for (Index v = 0; v < Width; ++v) values[v] = *reinterpret_cast<const Vector*>(row + v * kLanes);
+    for (Index r = 0; r < Height; ++r) {
+      const Scalar factor = a.data[r * a.row_stride + s * a.column_stride];
+      for (Index v = 0; v < Width; ++v) sums[r][v] += factor * values[v];
     }
   }
   for (Index r = 0; r < Height; ++r) {
@@ -50,8 +54,8 @@ STRAINWAVE_INLINE void CombineBlock(GridView<const Scalar> a, RowView<const Scal
 }
 
 template <typename Scalar, int Bytes, Index Width>
-STRAINWAVE_INLINE void CombineColumns(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
-                                      Index rows, Index terms, Sum sum) {
+HWY_INLINE void CombineColumns(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
+                               Index rows, Index terms, Sum sum) {
   Index r = 0;
   if constexpr (Width <= 2) {
     constexpr Index kHeight = kManyRows / Width;
@@ -71,8 +75,8 @@ STRAINWAVE_INLINE void CombineColumns(GridView<const Scalar> a, RowView<const Sc
 }
 
 template <typename Scalar, int Bytes>
-STRAINWAVE_INLINE void Combine(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
-                               Index rows, Index terms, Index width, Sum sum) {
+HWY_INLINE void CombineTerms(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c, Index rows,
+                             Index terms, Index width, Sum sum) {
   constexpr Index kLanes = VectorOf<Scalar, Bytes>::kLanes;
   constexpr Index kVectors = kMostVectors<Bytes>;
   Index j = 0;
@@ -105,9 +109,23 @@ STRAINWAVE_INLINE void Combine(GridView<const Scalar> a, RowView<const Scalar> b
   }
 }
 
+template <typename Scalar, int Bytes>
+HWY_INLINE void Combine(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c, Index rows,
+                        Index terms, Index width, Sum sum) {
+  // What all rows of c read of b, so many terms of the widest block, stays in a first cache of 32 KiB.
+  constexpr Index kTogether = 24 * 1024 / (kMostVectors<Bytes> * Bytes);
+  Index s = 0;
+  do {
+    CombineTerms<Scalar, Bytes>({a.data + s * a.column_stride, a.row_stride, a.column_stride},
+                                {b.data + s * b.stride, b.stride}, c, rows, HWY_MIN(kTogether, terms - s),
+                                width, s == 0 ? sum : Sum::kAdd);
+    s += kTogether;
+  } while (s < terms);
+}
+
 // The sum of all lanes, by halves.
 template <typename Scalar, int Bytes>
-STRAINWAVE_INLINE Scalar Total(const Scalar* lanes) {
+HWY_INLINE Scalar Total(const Scalar* lanes) {
   if constexpr (Bytes == sizeof(Scalar)) {
     return *lanes;
   } else {
@@ -120,16 +138,17 @@ STRAINWAVE_INLINE Scalar Total(const Scalar* lanes) {
 
 // Adds products from `i` on as far as whole vectors go.
 template <typename Scalar, int Bytes, Index Height, Index Width>
-STRAINWAVE_INLINE void AddProducts(RowView<const Scalar> a, RowView<const Scalar> b, Index terms, Index& i,
-                                   Scalar (&totals)[Height][Width]) {
+HWY_INLINE void AddProducts(RowView<const Scalar> a, RowView<const Scalar> b, Index terms, Index& i,
+                            Scalar (&totals)[Height][Width]) {
   using Vector = typename VectorOf<Scalar, Bytes>::Type;
   constexpr Index kLanes = VectorOf<Scalar, Bytes>::kLanes;
   Vector sums[Height][Width]{};
   for (; i + kLanes <= terms; i += kLanes) {
     for (Index r = 0; r < Height; ++r) {
       const Vector values = *reinterpret_cast<const Vector*>(a.data + r * a.stride + i);
-      // One row of b: nothing of a is read twice, and the machine's own guess ends with every short row.
-      if constexpr (Width == 1) __builtin_prefetch(a.data + (r + Height) * a.stride + i);
+      // One row of b: nothing of a is read twice, and the machine's own guess ends with every short row. A
+      // vector is a line of the cache, or the asking costs more than the waiting.
+      if constexpr (Width == 1 && Bytes == 64) __builtin_prefetch(a.data + (r + Height) * a.stride + i);
       for (Index s = 0; s < Width; ++s) {
         sums[r][s] += values * *reinterpret_cast<const Vector*>(b.data + s * b.stride + i);
       }
@@ -143,8 +162,8 @@ STRAINWAVE_INLINE void AddProducts(RowView<const Scalar> a, RowView<const Scalar
 }
 
 template <typename Scalar, int Bytes, Index Height, Index Width>
-STRAINWAVE_INLINE void MultiplyBlock(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
-                                     Index terms, Sum sum) {
+HWY_INLINE void MultiplyBlock(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
+                              Index terms, Sum sum) {
   Scalar totals[Height][Width]{};
   Index i = 0;
   AddProducts<Scalar, Bytes>(a, b, terms, i, totals);
@@ -165,8 +184,8 @@ STRAINWAVE_INLINE void MultiplyBlock(RowView<const Scalar> a, RowView<const Scal
 
 // A few rows of a with some rows of b.
 template <typename Scalar, int Bytes, Index Height>
-STRAINWAVE_INLINE void MultiplyStrip(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
-                                     Index columns, Index terms, Sum sum) {
+HWY_INLINE void MultiplyStrip(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
+                              Index columns, Index terms, Sum sum) {
   constexpr Index kColumns = 4;
   Index s = 0;
   for (; s + kColumns <= columns; s += kColumns) {
@@ -183,8 +202,8 @@ STRAINWAVE_INLINE void MultiplyStrip(RowView<const Scalar> a, RowView<const Scal
 
 // One row of b: each value of a is read once, and what counts is how many of these reads are under way.
 template <typename Scalar, int Bytes>
-STRAINWAVE_INLINE void MultiplyOne(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
-                                   Index rows, Index terms, Sum sum) {
+HWY_INLINE void MultiplyOne(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c, Index rows,
+                            Index terms, Sum sum) {
   constexpr Index kHeight = 8;
   const auto from = [&](Index r) { return RowView<const Scalar>{a.data + r * a.stride, a.stride}; };
   const auto to = [&](Index r) {
@@ -197,8 +216,8 @@ STRAINWAVE_INLINE void MultiplyOne(RowView<const Scalar> a, RowView<const Scalar
 }
 
 template <typename Scalar, int Bytes>
-STRAINWAVE_INLINE void Multiply(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
-                                Index rows, Index columns, Index terms, Sum sum) {
+HWY_INLINE void Multiply(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c, Index rows,
+                         Index columns, Index terms, Sum sum) {
   if (columns == 1) {
     MultiplyOne<Scalar, Bytes>(a, b, c, rows, terms, sum);
     return;
@@ -207,7 +226,7 @@ STRAINWAVE_INLINE void Multiply(RowView<const Scalar> a, RowView<const Scalar> b
   // So many rows of b stay in the second cache while all of a passes.
   constexpr Index kPanel = 48;
   for (Index first = 0; first < columns; first += kPanel) {
-    const Index here = std::min(kPanel, columns - first);
+    const Index here = HWY_MIN(kPanel, columns - first);
     const RowView<const Scalar> panel{b.data + first * b.stride, b.stride};
     Scalar* const out = c.data + first * c.column_stride;
     Index r = 0;
@@ -224,60 +243,63 @@ STRAINWAVE_INLINE void Multiply(RowView<const Scalar> a, RowView<const Scalar> b
   }
 }
 
-// The same name for each machine, of which the loader takes the best.
-// NOLINTBEGIN(bugprone-macro-parentheses): an attribute and a constant.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define STRAINWAVE_FOR_EACH_MACHINE(DEFINE)      \
-  DEFINE(__attribute__((target("avx512f"))), 64) \
-  DEFINE(__attribute__((target("fma"))), 32)     \
-  DEFINE(__attribute__((target("default"))), 16)
-#else
-#define STRAINWAVE_FOR_EACH_MACHINE(DEFINE) DEFINE(, 16)
-#endif
+constexpr int kBytes =
+    HWY_MAX(kFewBytes, hwy::HWY_NAMESPACE::MaxLanes(hwy::HWY_NAMESPACE::ScalableTag<std::uint8_t>()));
 
-#define STRAINWAVE_DEFINE_PRODUCTS(TARGET, BYTES)                                                            \
-  TARGET void CombineHere(GridView<const float> a, RowView<const float> b, RowView<float> c, Index rows,     \
-                          Index terms, Index width, Sum sum) {                                               \
-    Combine<float, BYTES>(a, b, c, rows, terms, width, sum);                                                 \
-  }                                                                                                          \
-  TARGET void CombineHere(GridView<const double> a, RowView<const double> b, RowView<double> c, Index rows,  \
-                          Index terms, Index width, Sum sum) {                                               \
-    Combine<double, BYTES>(a, b, c, rows, terms, width, sum);                                                \
-  }                                                                                                          \
-  TARGET void MultiplyHere(RowView<const float> a, RowView<const float> b, GridView<float> c, Index rows,    \
-                           Index columns, Index terms, Sum sum) {                                            \
-    Multiply<float, BYTES>(a, b, c, rows, columns, terms, sum);                                              \
-  }                                                                                                          \
-  TARGET void MultiplyHere(RowView<const double> a, RowView<const double> b, GridView<double> c, Index rows, \
-                           Index columns, Index terms, Sum sum) {                                            \
-    Multiply<double, BYTES>(a, b, c, rows, columns, terms, sum);                                             \
-  }
-
-STRAINWAVE_FOR_EACH_MACHINE(STRAINWAVE_DEFINE_PRODUCTS)
-// NOLINTEND(bugprone-macro-parentheses)
-
-}  // namespace
-
-template <typename Scalar>
-void CombineRows(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c, Index rows,
-                 Index terms, Index width, Sum sum) {
-  CombineHere(a, b, c, rows, terms, width, sum);
+HWY_ATTR void CombineFloats(GridView<const float> a, RowView<const float> b, RowView<float> c, Index rows,
+                            Index terms, Index width, Sum sum) {
+  Combine<float, kBytes>(a, b, c, rows, terms, width, sum);
 }
 
-template <typename Scalar>
-void MultiplyRows(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c, Index rows,
-                  Index columns, Index terms, Sum sum) {
-  MultiplyHere(a, b, c, rows, columns, terms, sum);
+HWY_ATTR void CombineDoubles(GridView<const double> a, RowView<const double> b, RowView<double> c, Index rows,
+                             Index terms, Index width, Sum sum) {
+  Combine<double, kBytes>(a, b, c, rows, terms, width, sum);
 }
 
-template void CombineRows(GridView<const float>, RowView<const float>, RowView<float>, Index, Index, Index,
-                          Sum);
-template void CombineRows(GridView<const double>, RowView<const double>, RowView<double>, Index, Index, Index,
-                          Sum);
-template void MultiplyRows(RowView<const float>, RowView<const float>, GridView<float>, Index, Index, Index,
-                           Sum);
-template void MultiplyRows(RowView<const double>, RowView<const double>, GridView<double>, Index, Index,
-                           Index, Sum);
+HWY_ATTR void MultiplyFloats(RowView<const float> a, RowView<const float> b, GridView<float> c, Index rows,
+                             Index columns, Index terms, Sum sum) {
+  Multiply<float, kBytes>(a, b, c, rows, columns, terms, sum);
+}
+
+HWY_ATTR void MultiplyDoubles(RowView<const double> a, RowView<const double> b, GridView<double> c,
+                              Index rows, Index columns, Index terms, Sum sum) {
+  Multiply<double, kBytes>(a, b, c, rows, columns, terms, sum);
+}
+
+}  // namespace strainwave::analysis::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace strainwave::analysis {
+
+HWY_EXPORT(CombineFloats);
+HWY_EXPORT(CombineDoubles);
+HWY_EXPORT(MultiplyFloats);
+HWY_EXPORT(MultiplyDoubles);
+
+template <>
+void CombineRows(GridView<const float> a, RowView<const float> b, RowView<float> c, std::ptrdiff_t rows,
+                 std::ptrdiff_t terms, std::ptrdiff_t width, Sum sum) {
+  HWY_DYNAMIC_DISPATCH(CombineFloats)(a, b, c, rows, terms, width, sum);
+}
+
+template <>
+void CombineRows(GridView<const double> a, RowView<const double> b, RowView<double> c, std::ptrdiff_t rows,
+                 std::ptrdiff_t terms, std::ptrdiff_t width, Sum sum) {
+  HWY_DYNAMIC_DISPATCH(CombineDoubles)(a, b, c, rows, terms, width, sum);
+}
+
+template <>
+void MultiplyRows(RowView<const float> a, RowView<const float> b, GridView<float> c, std::ptrdiff_t rows,
+                  std::ptrdiff_t columns, std::ptrdiff_t terms, Sum sum) {
+  HWY_DYNAMIC_DISPATCH(MultiplyFloats)(a, b, c, rows, columns, terms, sum);
+}
+
+template <>
+void MultiplyRows(RowView<const double> a, RowView<const double> b, GridView<double> c, std::ptrdiff_t rows,
+                  std::ptrdiff_t columns, std::ptrdiff_t terms, Sum sum) {
+  HWY_DYNAMIC_DISPATCH(MultiplyDoubles)(a, b, c, rows, columns, terms, sum);
+}
 
 }  // namespace strainwave::analysis
+#endif

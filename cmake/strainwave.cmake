@@ -19,6 +19,21 @@ if(STRAINWAVE_SANITIZE)
   target_link_options(strainwave_options INTERFACE -fsanitize=${STRAINWAVE_SANITIZE})
 endif()
 
+# strainwave_vector_loops(file ...): files whose loops become vectors as wide as the machine's: optimised in full, each by
+# itself, without the header that is compiled ahead. No product is contracted with a sum, so that every machine gives
+# the same bits; FAST: it may be.
+function(strainwave_vector_loops)
+  cmake_parse_arguments(ARG "FAST" "" "" ${ARGN})
+  set(contract off)
+  if(ARG_FAST)
+    set(contract fast)
+  endif()
+  # Not for vectors whose width is known when the program runs alone: they stand in no array.
+  set_source_files_properties(${ARG_UNPARSED_ARGUMENTS} PROPERTIES
+    COMPILE_OPTIONS "-O3;-ffp-contract=${contract}" SKIP_PRECOMPILE_HEADERS ON
+    COMPILE_DEFINITIONS "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
+endfunction()
+
 # strainwave_unity(target): compiles the files of one folder together, STRAINWAVE_UNITY at a time, since most of the
 # compiler's time goes into headers that they share. Names in anonymous namespaces differ within a folder for that.
 function(strainwave_unity target)

@@ -19,9 +19,9 @@ namespace {
 
 constexpr double kSmallest = std::numeric_limits<double>::min();
 
-const HalfLanes* LanesAt(const double* place) { return reinterpret_cast<const HalfLanes*>(place); }
+const FourLanes* LanesAt(const double* place) { return reinterpret_cast<const FourLanes*>(place); }
 
-double SumOf(const HalfLanes& lanes) {
+double SumOf(const FourLanes& lanes) {
   const auto* v = reinterpret_cast<const double*>(&lanes);
   return (v[0] + v[1]) + (v[2] + v[3]);
 }
@@ -43,14 +43,14 @@ void RootsAndLogs(const double* x, std::size_t n, double* roots, double* logs) {
 // In two passes: more sums than these do not fit into the registers of a machine.
 STRAINWAVE_VECTOR_CLONES
 void AddSigned(const double* x, std::size_t n, FirstSums& out) {
-  HalfLanes sum{};
-  HalfLanes magnitudes{};
-  HalfLanes squares{};
-  HalfLanes least = x[0] - HalfLanes{};
-  HalfLanes greatest = least;
+  FourLanes sum{};
+  FourLanes magnitudes{};
+  FourLanes squares{};
+  FourLanes least = x[0] - FourLanes{};
+  FourLanes greatest = least;
   std::size_t i = 0;
-  for (; i + kHalfLanes <= n; i += kHalfLanes) {
-    const HalfLanes v = *LanesAt(x + i);
+  for (; i + kFourLanes <= n; i += kFourLanes) {
+    const FourLanes v = *LanesAt(x + i);
     sum += v;
     magnitudes += v < 0.0 ? -v : v;
     squares += v * v;
@@ -62,7 +62,7 @@ void AddSigned(const double* x, std::size_t n, FirstSums& out) {
   out.squares = SumOf(squares);
   out.least = least[0];
   out.greatest = greatest[0];
-  for (int lane = 1; lane < kHalfLanes; ++lane) {
+  for (int lane = 1; lane < kFourLanes; ++lane) {
     out.least = std::min(out.least, least[lane]);
     out.greatest = std::max(out.greatest, greatest[lane]);
   }
@@ -77,13 +77,13 @@ void AddSigned(const double* x, std::size_t n, FirstSums& out) {
 
 STRAINWAVE_VECTOR_CLONES
 void AddLogarithms(const double* x, const double* roots, const double* logs, std::size_t n, FirstSums& out) {
-  HalfLanes root_sum{};
-  HalfLanes log_sum{};
-  HalfLanes entropy{};
+  FourLanes root_sum{};
+  FourLanes log_sum{};
+  FourLanes entropy{};
   std::size_t i = 0;
-  for (; i + kHalfLanes <= n; i += kHalfLanes) {
-    const HalfLanes v = *LanesAt(x + i);
-    const HalfLanes log_square = *LanesAt(logs + i);
+  for (; i + kFourLanes <= n; i += kFourLanes) {
+    const FourLanes v = *LanesAt(x + i);
+    const FourLanes log_square = *LanesAt(logs + i);
     root_sum += *LanesAt(roots + i);
     log_sum += log_square;
     entropy += v * v * log_square;
@@ -104,13 +104,13 @@ struct Moments {
 
 STRAINWAVE_VECTOR_CLONES
 void AddMoments(const double* x, std::size_t n, double mean, Moments& out) {
-  HalfLanes second{};
-  HalfLanes third{};
-  HalfLanes fourth{};
+  FourLanes second{};
+  FourLanes third{};
+  FourLanes fourth{};
   std::size_t i = 0;
-  for (; i + kHalfLanes <= n; i += kHalfLanes) {
-    const HalfLanes away = *LanesAt(x + i) - mean;
-    const HalfLanes square = away * away;
+  for (; i + kFourLanes <= n; i += kFourLanes) {
+    const FourLanes away = *LanesAt(x + i) - mean;
+    const FourLanes square = away * away;
     second += square;
     third += square * away;
     fourth += square * square;

@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <limits>
 
-#include "analysis/features/sorted_series.h"
-#include "analysis/vector_clones.h"
+#include "analysis/features/bins.h"
 
 namespace strainwave::analysis::features {
 namespace {
@@ -23,9 +23,9 @@ using Cubic = std::array<double, kDegree + 1>;  // from the constant up
 using Edges = std::array<double, kBins + 1>;
 
 // Edges of bins of equal count over all values but the last of the series.
-Edges BinEdges(std::span<const double> x, std::span<const double> sorted) {
-  const auto skipped = static_cast<std::size_t>(std::ranges::lower_bound(sorted, x.back()) - sorted.begin());
-  const auto at = [&](std::size_t k) { return sorted[k < skipped ? k : k + 1]; };
+Edges BinEdges(std::span<const double> x, SortedSeries& sorted) {
+  const std::size_t skipped = sorted.CountBelow(x.back());
+  const auto at = [&](std::size_t k) { return sorted.At(k < skipped ? k : k + 1); };
   Edges edges{};
   for (std::size_t i = 0; i <= kBins; ++i) {
     // In the reference's arithmetic: an edge that falls on a value, or just misses it, must do so here too.
@@ -42,27 +42,20 @@ struct BinSums {
 };
 
 // A bin holds its upper edge, the first both.
-STRAINWAVE_VECTOR_CLONES
 void AddToBins(std::span<const double> x, const Edges& edges, BinSums& sums) {
-  using Masks = long long __attribute__((vector_size(64), aligned(8), may_alias));
-  std::size_t t = 0;
-  for (; t + kLanes < x.size(); t += kLanes) {
-    const Lanes here = *reinterpret_cast<const Lanes*>(x.data() + t);
-    Masks minus_bin{};
-    for (std::size_t edge = 1; edge < kBins; ++edge) minus_bin += here > edges[edge] - Lanes{};
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const auto bin = static_cast<std::size_t>(-minus_bin[lane]);
+  constexpr std::size_t kBlock = 512;
+  std::array<std::int64_t, kBlock> bins{};
+  const auto inner = std::span(edges).subspan<1, kBins - 1>();
+  for (std::size_t begin = 0; begin + 1 < x.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, x.size() - 1 - begin);
+    CountEdgesBelow(x.subspan(begin, count), inner, bins);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto bin = static_cast<std::size_t>(bins[i]);
+      const double here = x[begin + i];
       sums.count[bin] += 1.0;
-      sums.values[bin] += x[t + lane];
-      sums.steps[bin] += x[t + lane + 1] - x[t + lane];
+      sums.values[bin] += here;
+      sums.steps[bin] += x[begin + i + 1] - here;
     }
-  }
-  for (; t + 1 < x.size(); ++t) {
-    std::size_t bin = 0;
-    for (std::size_t edge = 1; edge < kBins; ++edge) bin += x[t] > edges[edge] ? 1U : 0U;
-    sums.count[bin] += 1.0;
-    sums.values[bin] += x[t];
-    sums.steps[bin] += x[t + 1] - x[t];
   }
 }
 
@@ -128,7 +121,7 @@ double LargestRealPart(const Cubic& cubic) {
 
 }  // namespace
 
-double LargestLangevinFixedPoint(std::span<const double> x, std::span<const double> sorted) {
+double LargestLangevinFixedPoint(std::span<const double> x, SortedSeries& sorted) {
   if (x.size() < 2) return kNotEstimable;
   const Edges edges = BinEdges(x, sorted);
   for (std::size_t i = 0; i < kBins; ++i) {

@@ -17,17 +17,17 @@ constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kEntropyBins = 10;
 
 // Bins hold their lower edge, the last one both.
-double BinnedEntropy(std::span<const double> sorted) {
-  double low = sorted.front();
-  double high = sorted.back();
+double BinnedEntropy(SortedSeries& sorted) {
+  const double low = sorted.At(0);
+  const double high = sorted.At(sorted.size() - 1);
   if (low == high) return -0.0;
   const double width = (high - low) / static_cast<double>(kEntropyBins);
   const auto n = static_cast<double>(sorted.size());
   double entropy = 0.0;
-  auto begin = sorted.begin();
+  std::size_t begin = 0;
   for (std::size_t bin = 1; bin <= kEntropyBins; ++bin) {
     const double edge = static_cast<double>(bin) * width + low;
-    const auto end = bin == kEntropyBins ? sorted.end() : std::lower_bound(begin, sorted.end(), edge);
+    const std::size_t end = bin == kEntropyBins ? sorted.size() : std::max(begin, sorted.CountBelow(edge));
     const double share = static_cast<double>(end - begin) / n;
     if (share > 0.0) entropy -= share * std::log(share);
     begin = end;
@@ -102,15 +102,15 @@ void SeriesFeatures(std::span<const double> x, SeriesWorkspace& workspace,
   const std::span<const double> centred = workspace.centred;
   const double variance = Shift(x, mean, workspace.centred) / n;
   const double deviation = std::sqrt(variance);
-  workspace.sorted.Sort(x);
-  const std::span<const double> sorted = workspace.sorted.values();
+  SortedSeries& sorted = workspace.sorted;
+  sorted.Assign(x);
   const auto quantile = [&](double q) {
-    return Quantile(x.size(), q, [&](std::size_t k) { return sorted[k]; });
+    return Quantile(x.size(), q, [&](std::size_t k) { return sorted.At(k); });
   };
   const NeighbourProducts products = NeighbourProductsOf(x);
   auto place = out.begin();
   const auto put = [&place](auto... values) { ((*place++ = values), ...); };
-  put(mean, 0.5 * (sorted[(x.size() - 1) / 2] + sorted[x.size() / 2]), deviation, variance);
+  put(mean, 0.5 * (sorted.At((x.size() - 1) / 2) + sorted.At(x.size() / 2)), deviation, variance);
   put(quantile(0.05), quantile(0.25), quantile(0.75), quantile(0.95));
   put(std::sqrt(products.squares / n), x.size() > 1 ? (x.back() - x.front()) / (n - 1.0) : kUndefined);
   put(static_cast<double>(CrossingCount(x, 0.0)), static_cast<double>(CrossingCount(x, mean)));
@@ -119,7 +119,7 @@ void SeriesFeatures(std::span<const double> x, SeriesWorkspace& workspace,
   put(products.squares, AutocorrelationAtLagOne(centred, variance));
   put(products.third[0], products.third[1], products.third[2]);
   put(deviation == 0.0 ? 0.0 : std::sqrt(products.squared_steps) / deviation);
-  put(static_cast<double>(std::ranges::find(x, sorted.back()) - x.begin()) / n);
+  put(static_cast<double>(std::ranges::find(x, sorted.At(x.size() - 1)) - x.begin()) / n);
   put(LargestLangevinFixedPoint(x, sorted));
   put(products.asymmetry[0], products.asymmetry[1], products.asymmetry[2]);
 }

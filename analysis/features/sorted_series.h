@@ -9,17 +9,29 @@
 /// Order statistics of a series.
 namespace strainwave::analysis::features {
 
-/// The values in rising order; its memory is used again by the next series.
+/// A series as if it were in rising order: its values stand in buckets that rise, of which only those are
+/// sorted that are asked for. Its memory is used again by the next series.
 class SortedSeries {
  public:
   /// @param x  finite values, at least one.
-  void Sort(std::span<const double> x);
-  std::span<const double> values() const { return sorted_; }
+  void Assign(std::span<const double> x);
+  std::size_t size() const { return values_.size(); }
+  /// The k-th smallest, from 0 on; k < size().
+  double At(std::size_t k);
+  /// How many values are less than this finite one.
+  std::size_t CountBelow(double value);
 
  private:
-  std::vector<double> sorted_;
-  std::vector<std::uint32_t> buckets_;  // of each value
-  std::vector<std::uint32_t> ends_;
+  std::span<const double> Bucket(std::size_t bucket);
+  std::size_t BeginOf(std::size_t bucket) const { return bucket == 0 ? 0 : ends_[bucket - 1]; }
+
+  double least_{};
+  double greatest_{};
+  double scale_{};  // buckets in a unit of value
+  std::vector<double> values_;
+  std::vector<std::uint32_t> places_;  // the bucket of each value, as it came
+  std::vector<std::size_t> ends_;      // of each bucket in `values_`
+  std::vector<bool> is_sorted_;
 };
 
 /// The q-quantile, 0 ≤ q ≤ 1, of n values: on the straight line between the two that stand about place

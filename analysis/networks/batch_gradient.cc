@@ -13,18 +13,31 @@ using Eigen::Index;
 // Smaller slices would leave the matrix products too little to do, more would be many gradients to add.
 constexpr Index kFewestSamples = 16;
 constexpr Index kMostSlices = 8;
+// Each slice reads all parameters and writes a gradient of them. Of 2500 samples in batches of 32 through
+// `ann`, whose samples use each parameter once, an epoch takes a quarter less in slices of 32 than of 16
+// (predictor_benchmark).
+constexpr Index kFewestUses = 32;
+
+Index FewestSamplesOf(const Network& network) {
+  Index products = 1;  // of a sample with parameters
+  for (const Network::Stage& stage : network.stages()) products += stage.weights * stage.output.length;
+  return std::max(kFewestSamples, kFewestUses * network.parameter_count() / products);
+}
 
 }  // namespace
 
 template <typename Scalar>
 BatchGradient<Scalar>::BatchGradient(const Network& network, Loss loss, ParallelFor parallel)
-    : network_(network), loss_(loss), parallel_(std::move(parallel)) {}
+    : network_(network),
+      loss_(loss),
+      parallel_(std::move(parallel)),
+      fewest_samples_(FewestSamplesOf(network)) {}
 
 template <typename Scalar>
 template <typename Task>
 double BatchGradient<Scalar>::OverSlices(Index samples, const Task& task) {
   if (samples < 1) throw std::invalid_argument("inputs has 0 columns (expected at least one sample)");
-  const Index count = std::clamp<Index>(samples / kFewestSamples, 1, kMostSlices);
+  const Index count = std::clamp<Index>(samples / fewest_samples_, 1, kMostSlices);
   used_ = static_cast<std::size_t>(count);
   slices_.resize(std::max(slices_.size(), used_));
   parallel_(used_, [&](std::size_t slice) {

@@ -9,8 +9,8 @@
 
 namespace strainwave::analysis::networks {
 
-/// Loss and gradient of a batch. The batch is cut into slices, as many as its size alone says, and what they
-/// give is added in their order: the same bits on any number of threads.
+/// Loss and gradient of a batch. The batch is cut into slices, as many as its size and the network say alone,
+/// and what they give is added in their order: the same bits on any number of threads.
 template <typename Scalar>
 class BatchGradient {
  public:
@@ -41,6 +41,7 @@ class BatchGradient {
   const Network& network_;
   Loss loss_;
   ParallelFor parallel_;
+  Eigen::Index fewest_samples_;  // of a slice
   std::vector<Slice> slices_;
   std::size_t used_{};
 };

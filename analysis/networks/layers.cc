@@ -11,6 +11,10 @@ namespace {
 
 using Eigen::Index;
 
+// From so many on it pays to turn the weights of a dense layer about, as sums of rows need less of the cache
+// than products of rows: an epoch of 2500 samples of `ann` at once (predictor_benchmark).
+constexpr Index kManySamples = 128;
+
 template <typename Parameters>
 auto Biases(const Network::Stage& stage, Parameters& all) {
   return all.segment(stage.weights_begin + stage.weights, stage.biases);
@@ -96,8 +100,16 @@ struct ForwardLayer {
   void operator()(const Dense& layer) {
     const Index units = layer.units;
     const RowView<const Scalar> rows = RowsOfSamples(stage, input, pass);
-    MultiplyRows<Scalar>({parameters.data() + stage.weights_begin, input.rows()}, rows,
-                         {output.data(), 1, units}, units, input.cols(), input.rows(), Sum::kOverwrite);
+    const Scalar* weights = parameters.data() + stage.weights_begin;
+    if (input.cols() < kManySamples) {
+      MultiplyRows<Scalar>({weights, input.rows()}, rows, {output.data(), 1, units}, units, input.cols(),
+                           input.rows(), Sum::kOverwrite);
+    } else {
+      pass.weights.resize(stage.weights);
+      Transpose(weights, units, input.rows(), pass.weights.data());
+      CombineRows<Scalar>({rows.data, rows.stride, 1}, {pass.weights.data(), units}, {output.data(), units},
+                          input.cols(), input.rows(), units, Sum::kOverwrite);
+    }
     output.colwise() += Biases(stage, parameters);
     Activate(layer.activation, output);
   }

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "analysis/arguments.h"
-#include "analysis/vector_clones.h"
+#include "analysis/networks/adam_step.h"
 
 namespace strainwave::analysis::networks {
 namespace {
@@ -47,42 +47,6 @@ struct Check {
   }
 };
 
-// What one step of Adam needs for every parameter.
-template <typename Scalar>
-struct AdamFactors {
-  Scalar beta1;
-  Scalar beta2;
-  Scalar step;  // rate over what corrects the mean
-  Scalar root;  // of what corrects the mean of squares
-  Scalar epsilon;
-};
-
-template <typename Scalar>
-__attribute__((always_inline)) inline void AdamLoop(const AdamFactors<Scalar>& factors, Eigen::Index count,
-                                                    const Scalar* __restrict gradient,
-                                                    Scalar* __restrict first, Scalar* __restrict second,
-                                                    Scalar* __restrict parameters) {
-  const AdamFactors<Scalar> own = factors;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Scalar slope = gradient[i];
-    first[i] = own.beta1 * first[i] + (Scalar(1) - own.beta1) * slope;
-    second[i] = own.beta2 * second[i] + (Scalar(1) - own.beta2) * slope * slope;
-    parameters[i] -= own.step * first[i] / (std::sqrt(second[i]) / own.root + own.epsilon);
-  }
-}
-
-STRAINWAVE_VECTOR_CLONES
-void AdamStep(const AdamFactors<float>& factors, Eigen::Index count, const float* gradient, float* first,
-              float* second, float* parameters) {
-  AdamLoop(factors, count, gradient, first, second, parameters);
-}
-
-STRAINWAVE_VECTOR_CLONES
-void AdamStep(const AdamFactors<double>& factors, Eigen::Index count, const double* gradient, double* first,
-              double* second, double* parameters) {
-  AdamLoop(factors, count, gradient, first, second, parameters);
-}
-
 }  // namespace
 
 template <typename Scalar>
@@ -112,7 +76,8 @@ void Optimizer<Scalar>::Take(const Adam& adam, const Vector<Scalar>& gradient, d
       .step = static_cast<Scalar>(rate_factor * adam.rate / (1.0 - std::pow(adam.beta1, steps))),
       .root = static_cast<Scalar>(std::sqrt(1.0 - std::pow(adam.beta2, steps))),
       .epsilon = static_cast<Scalar>(adam.epsilon)};
-  AdamStep(factors, parameters.size(), gradient.data(), first_.data(), second_.data(), parameters.data());
+  AdamStep(factors, static_cast<std::size_t>(parameters.size()), gradient.data(), first_.data(),
+           second_.data(), parameters.data());
 }
 
 template <typename Scalar>

@@ -3,14 +3,13 @@
 
 #include <cstddef>
 
-#include "analysis/vector_clones.h"
-
 /// The inner loops of the transform: short filters over blocks that stay in the first cache.
 namespace strainwave::analysis::wavelets {
 
 inline constexpr std::size_t kBlock = 256;    // coefficients at a time
 inline constexpr std::size_t kMostHalf = 20;  // half the length of the longest filter
-inline constexpr std::size_t kBlockRoom = kBlock + kMostHalf + 4 * kLanes;
+inline constexpr std::size_t kMostStep = 64;  // coefficients that filters compute at once
+inline constexpr std::size_t kBlockRoom = kBlock + kMostHalf + kMostStep;
 
 /// A segment of signal, its even and odd samples apart. Filters read a few values beyond what was filled in
 /// and drop what comes of them.

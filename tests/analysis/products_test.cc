@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "tests/analysis/each_machine.h"
+
 namespace strainwave::analysis::products_test {
 namespace {
 
@@ -32,56 +34,62 @@ constexpr Index kSizes[][3] = {{1, 1, 1},    {1, 500, 100}, {4, 16, 48},  {5, 3,
                                {12, 49, 97}, {3, 100, 31},  {50, 51, 17}, {2, 0, 20}, {9, 8, 64}};
 
 TYPED_TEST(Products, CombineRowsIsItsSumAtEverySize) {
-  for (const auto& [rows, terms, width] : kSizes) {
-    // Gaps between the rows, which nothing may touch, and a read by columns.
-    const Index a_stride = rows + 2;
-    const Index b_stride = width + 3;
-    const Index c_stride = width + 1;
-    const auto a = this->Whole(a_stride * terms);
-    const auto b = this->Whole(b_stride * terms);
-    for (const Sum sum : {Sum::kOverwrite, Sum::kAdd}) {
-      const auto before = this->Whole(c_stride * rows);
-      auto c = before;
-      CombineRows<TypeParam>({a.data(), 1, a_stride}, {b.data(), b_stride}, {c.data(), c_stride}, rows, terms,
-                             width, sum);
-      for (Index r = 0; r < rows; ++r) {
-        for (Index j = 0; j < c_stride; ++j) {
-          const auto place = static_cast<std::size_t>(r * c_stride + j);
-          TypeParam expected = sum == Sum::kAdd || j >= width ? before[place] : TypeParam(0);
-          for (Index s = 0; s < terms && j < width; ++s) {
-            expected +=
-                a[static_cast<std::size_t>(r + s * a_stride)] * b[static_cast<std::size_t>(s * b_stride + j)];
+  testing_machines::OnEachMachine([this](const char* machine) {
+    for (const auto& [rows, terms, width] : kSizes) {
+      // Gaps between the rows, which nothing may touch, and a read by columns.
+      const Index a_stride = rows + 2;
+      const Index b_stride = width + 3;
+      const Index c_stride = width + 1;
+      const auto a = this->Whole(a_stride * terms);
+      const auto b = this->Whole(b_stride * terms);
+      for (const Sum sum : {Sum::kOverwrite, Sum::kAdd}) {
+        const auto before = this->Whole(c_stride * rows);
+        auto c = before;
+        CombineRows<TypeParam>({a.data(), 1, a_stride}, {b.data(), b_stride}, {c.data(), c_stride}, rows,
+                               terms, width, sum);
+        for (Index r = 0; r < rows; ++r) {
+          for (Index j = 0; j < c_stride; ++j) {
+            const auto place = static_cast<std::size_t>(r * c_stride + j);
+            TypeParam expected = sum == Sum::kAdd || j >= width ? before[place] : TypeParam(0);
+            for (Index s = 0; s < terms && j < width; ++s) {
+              expected += a[static_cast<std::size_t>(r + s * a_stride)] *
+                          b[static_cast<std::size_t>(s * b_stride + j)];
+            }
+            ASSERT_EQ(c[place], expected)
+                << machine << " " << rows << " " << terms << " " << width << " at " << r << " " << j;
           }
-          ASSERT_EQ(c[place], expected) << rows << " " << terms << " " << width << " at " << r << " " << j;
         }
       }
     }
-  }
+  });
 }
 
 TYPED_TEST(Products, MultiplyRowsIsItsSumAtEverySize) {
-  for (const auto& [rows, columns, terms] : kSizes) {
-    const Index stride = terms + 3;
-    const auto a = this->Whole(stride * rows);
-    const auto b = this->Whole(stride * columns);
-    for (const Sum sum : {Sum::kOverwrite, Sum::kAdd}) {
-      const auto before = this->Whole(rows * columns);
-      auto c = before;
-      MultiplyRows<TypeParam>({a.data(), stride}, {b.data(), stride}, {c.data(), 1, rows}, rows, columns,
-                              terms, sum);
-      for (Index r = 0; r < rows; ++r) {
-        for (Index s = 0; s < columns; ++s) {
-          const auto place = static_cast<std::size_t>(r + s * rows);
-          TypeParam expected = sum == Sum::kAdd ? before[place] : TypeParam(0);
-          for (Index i = 0; i < terms; ++i) {
-            expected +=
-                a[static_cast<std::size_t>(r * stride + i)] * b[static_cast<std::size_t>(s * stride + i)];
+  testing_machines::OnEachMachine([this](const char* machine) {
+    for (const auto& [rows, columns, terms] : kSizes) {
+      const Index stride = terms + 3;
+      const auto a = this->Whole(stride * rows);
+      const auto b = this->Whole(stride * columns);
+      for (const Sum sum : {Sum::kOverwrite, Sum::kAdd}) {
+        const auto before = this->Whole(rows * columns);
+        auto c = before;
+        MultiplyRows<TypeParam>({a.data(), stride}, {b.data(), stride}, {c.data(), 1, rows}, rows, columns,
+                                terms, sum);
+        for (Index r = 0; r < rows; ++r) {
+          for (Index s = 0; s < columns; ++s) {
+            const auto place = static_cast<std::size_t>(r + s * rows);
+            TypeParam expected = sum == Sum::kAdd ? before[place] : TypeParam(0);
+            for (Index i = 0; i < terms; ++i) {
+              expected +=
+                  a[static_cast<std::size_t>(r * stride + i)] * b[static_cast<std::size_t>(s * stride + i)];
+            }
+            ASSERT_EQ(c[place], expected)
+                << machine << " " << rows << " " << columns << " " << terms << " at " << r << " " << s;
           }
-          ASSERT_EQ(c[place], expected) << rows << " " << columns << " " << terms << " at " << r << " " << s;
         }
       }
     }
-  }
+  });
 }
 
 }  // namespace

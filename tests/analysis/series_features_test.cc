@@ -267,9 +267,21 @@ TEST(SortedSeries, SortsWhateverItsSpread) {
   wide[6] = -1.7e308;
   SortedSeries sorted;
   for (std::vector<double> x : {Noise(10, 1), Noise(100000, 2), spread, few, tiny, wide}) {
-    sorted.Sort(x);
+    sorted.Assign(x);
+    // From the middle on, as buckets are sorted when they are asked for.
+    std::vector<double> values(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const std::size_t k = (i + x.size() / 2) % x.size();
+      values[k] = sorted.At(k);
+    }
+    sorted.Assign(x);
+    for (std::size_t i = 0; i < x.size(); i += x.size() / 10) {
+      EXPECT_EQ(sorted.CountBelow(x[i]), std::ranges::count_if(x, [&](double v) { return v < x[i]; }));
+      const double above = std::nextafter(x[i], INFINITY);
+      EXPECT_EQ(sorted.CountBelow(above), std::ranges::count_if(x, [&](double v) { return v < above; }));
+    }
     std::sort(x.begin(), x.end());
-    EXPECT_TRUE(std::equal(x.begin(), x.end(), sorted.values().begin(), sorted.values().end()));
+    EXPECT_EQ(values, x);
   }
 }
 

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long a vibration record takes to become features, and an epoch of the two networks. Run:
-// build/benchmarks/predictor_benchmark; beside what others take: tests/benchmarks/compare_with_peers.py
+// build/benchmarks/predictor_benchmark [--widest avx2|sse4|none] [options of Google Benchmark]; --widest
+// leaves wider vectors of this machine unused. Beside what others take: tests/benchmarks/run
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 
 #include "analysis/features/wavelet_features.h"
 #include "analysis/networks/training.h"
 #include "analysis/wavelets/decomposition.h"
 #include "bench/campaign/on_all_processors.h"
+#include "tests/benchmarks/peaks.h"
 
 namespace strainwave::analysis {
 namespace {
@@ -101,5 +107,61 @@ void PredictsOneRecord(benchmark::State& state) {
 }
 BENCHMARK(PredictsOneRecord)->Unit(benchmark::kMicrosecond);
 
+// The roof over the others: operations a second, and bytes a second from and to memory.
+template <typename Scalar>
+void MultipliesAndAdds(benchmark::State& state) {
+  Scalar value = 1;
+  double operations = 0.0;
+  for (auto _ : state) operations += peaks::MultiplyAdd(100000, value);
+  benchmark::DoNotOptimize(value);
+  state.counters["per_second"] = benchmark::Counter(operations, benchmark::Counter::kIsRate);
+}
+BENCHMARK_TEMPLATE(MultipliesAndAdds, float);
+BENCHMARK_TEMPLATE(MultipliesAndAdds, double);
+
+void CopiesMemory(benchmark::State& state) {
+  const std::vector<double> from(std::size_t{1} << 25U, 1.0);  // past every cache but the largest of servers
+  std::vector<double> to(from.size());
+  for (auto _ : state) {
+    std::copy(from.begin(), from.end(), to.begin());
+    benchmark::DoNotOptimize(to.data());
+    benchmark::ClobberMemory();
+  }
+  const auto bytes = 2.0 * sizeof(double) * static_cast<double>(from.size() * state.iterations());
+  state.counters["per_second"] = benchmark::Counter(bytes, benchmark::Counter::kIsRate);
+}
+BENCHMARK(CopiesMemory);
+
+// False for a word that it does not know.
+bool UseAtMost(std::string_view widest) {
+  constexpr std::int64_t kAboveAvx2 = HWY_AVX3 | HWY_AVX3_DL;
+  constexpr std::int64_t kAboveSse4 = kAboveAvx2 | HWY_AVX2;
+  if (widest == "avx2") {
+    hwy::DisableTargets(kAboveAvx2);
+  } else if (widest == "sse4") {
+    hwy::DisableTargets(kAboveSse4);
+  } else if (widest == "none") {
+    hwy::DisableTargets(kAboveSse4 | HWY_SSE4 | HWY_SSSE3);
+  } else {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 }  // namespace strainwave::analysis
+
+int main(int argc, char** argv) {
+  if (argc > 2 && std::string_view(argv[1]) == "--widest") {
+    if (!strainwave::analysis::UseAtMost(argv[2])) {
+      std::fputs("--widest takes avx2, sse4 or none\n", stderr);
+      return 2;
+    }
+    argv[2] = argv[0];
+    argv += 2;
+    argc -= 2;
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+}
