@@ -20,7 +20,8 @@ AmplitudeSpectrum AmplitudeSpectrumOf(std::span<const double> values, double sam
   const std::size_t length = std::min(window, std::bit_floor(values.size()));
   std::vector<double> hann(length);
   for (std::size_t i = 0; i < length; ++i) {
-    hann[i] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(length));
+    hann[i] =
+        0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(length));
   }
   const double sum = std::accumulate(hann.begin(), hann.end(), 0.0);
   Eigen::FFT<double> fft;

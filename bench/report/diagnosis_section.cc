@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <sstream>
+#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -167,6 +169,23 @@ void AppendPlainWords(const Json& diagnosis, ReportSection& section) {
                   words.at("how_sure").get<std::string>(), words.at("what_to_do").get<std::string>()));
 }
 
+// Measurements that would settle what is open: their comment lines as words, their phases as the schedule has
+// them.
+void AppendMeasurements(const Json& to_settle, ReportSection& section) {
+  for (const Json& measurement : to_settle) {
+    std::string words;
+    std::string phases;
+    std::istringstream lines(measurement.get<std::string>());
+    for (std::string line; std::getline(lines, line);) {
+      const bool comment = line.starts_with("# ");
+      std::string& text = comment ? words : phases;
+      text += (text.empty() ? "" : " ") + (comment ? line.substr(2) : line);
+    }
+    section.parts.emplace_back(
+        fmt::format("To settle what is open: {}. As phases of a schedule: {}", words, phases));
+  }
+}
+
 ReportSection DiagnosisOf(const std::filesystem::path& file, const Json& diagnosis) {
   ReportSection section{"Diagnosis", {}};
   const Json& records = diagnosis.at("records");
@@ -195,8 +214,7 @@ ReportSection DiagnosisOf(const std::filesystem::path& file, const Json& diagnos
       Fixed(100.0 * ci95.at(0).get<double>(), 1), Fixed(100.0 * ci95.at(1).get<double>(), 1),
       Fixed(100.0 * diagnosis.at("unexplained").at("share_of_residual_variance").get<double>(), 1),
       signature.empty() ? "" : ": " + signature));
-  if (!diagnosis.at("to_settle").empty())
-    section.parts.emplace_back("To settle what is open: " + ListWords(diagnosis.at("to_settle")) + ".");
+  AppendMeasurements(diagnosis.at("to_settle"), section);
   AppendTrustedRegions(diagnosis, section);
   if (diagnosis.contains("power")) {
     AppendPower(diagnosis.at("power"), section);

@@ -123,6 +123,12 @@ class Papers(unittest.TestCase):
         self.assertIn("How large an effect has to be to be found was not measured (strainwave diagnose --power).", page.words)
         self.assertTrue(any("How sure: " in words and "What to do: " in words for words in page.words))
 
+    def test_a_diagnosis_says_what_to_measure(self):
+        settle = ["# the same sweep twice,\n# in half the step\n- kind: hysteresis\n  loops: 2\n"]
+        (self.folder / "settle.json").write_text(json.dumps(self.diagnosis | {"to_settle": settle}))
+        page = self.report("--diagnosis", self.folder / "settle.json")
+        self.assertIn("To settle what is open: the same sweep twice, in half the step. As phases of a schedule: - kind: hysteresis   loops: 2", page.words)
+
     def test_a_diagnosis_has_its_trusted_regions(self):
         def at(low, high, rmse, nominal, extended):
             return {"low": low, "high": high, "samples": 100, "nominal": {"rmse": rmse, "result": nominal}, "extended": {"rmse": 0.02, "result": extended}}

@@ -335,6 +335,9 @@ TEST_F(LoggedBus, TakesNoMoreRoomThanItMayAndKeepsTheNewest) {
 }
 
 TEST_F(LoggedBus, EndsInWordsWhereItsFolderCannotBeListed) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "skipped, because a sanitizer takes a descriptor to look at an object's type";
+#endif
   CandumpFiles files(Settings());
   // One descriptor is left, which the file itself takes.
   rlimit before{};
