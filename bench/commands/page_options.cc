@@ -44,7 +44,9 @@ void AddPageOptions(CLI::App& command, PageOptions& options, CLI::Option* needs)
               "what the reducer was like at first, as `baseline` writes it, for a predictor of changes")
           ->needs(predictor));
   if (needs == nullptr) return;
-  for (CLI::Option* option : added) option->needs(needs);
+  // One that needs another one needs what that one does; of two, help would name either first.
+  for (CLI::Option* option : added)
+    if (option->get_needs().empty()) option->needs(needs);
 }
 
 void CheckPageOptions(const PageOptions& options) {
