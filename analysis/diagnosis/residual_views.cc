@@ -127,7 +127,7 @@ void AddLines(const Study& study, const Regressor& regressor, std::span<const do
 void AddWindows(const Study& study, const Regressor& regressor, std::span<const double> residual,
                 std::span<const double> weights, std::size_t samples, std::vector<ResidualView>& views) {
   std::vector<double> abscissa = regressor.values;
-  if (regressor.angle && SpanOf(abscissa) > 1.05 * kTwoPi) {
+  if (regressor.angle && SpanOf(abscissa) > kTurnsOnce) {
     for (double& value : abscissa) {
       value -= kTwoPi * std::floor(value / kTwoPi);
     }
@@ -191,6 +191,12 @@ double FoldingOrder(std::span<const double> angle_rad, std::span<const double> w
     if (std::abs(steps_from_first - std::round(steps_from_first)) > kEvenWithin) return 0.0;
   }
   return kTwoPi / step;
+}
+
+std::vector<double> WithinTurn(std::span<const double> angle_rad) {
+  std::vector<double> within(angle_rad.begin(), angle_rad.end());
+  for (double& angle : within) angle -= kTwoPi * std::floor(angle / kTwoPi + 1e-9);
+  return within;
 }
 
 TitleParts SplitTitle(const Regressor& regressor) {

@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/study.h"
 #include "analysis/parallel_for.h"
+#include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -46,6 +47,12 @@ std::size_t CountViews(const Study& study);
 /// Orders per turn that an evenly stepped angle folds into one another: 2π / step, in the unit of orders; 0
 /// where the steps are not even (deviations above 2 % of a step) or there are none.
 double FoldingOrder(std::span<const double> angle_rad, std::span<const double> weights);
+
+/// An angle whose values span more comes by the same places again.
+inline constexpr double kTurnsOnce = 1.05 * kTwoPi;
+
+/// Each angle within its turn, from 0 to 2π; a full turn less rounding is the start of the next one.
+std::vector<double> WithinTurn(std::span<const double> angle_rad);
 
 /// A regressor's title "output angle / deg" in two parts.
 struct TitleParts {

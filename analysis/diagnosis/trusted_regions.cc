@@ -10,6 +10,7 @@
 
 #include "analysis/arguments.h"
 #include "analysis/autocorrelation.h"
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -21,7 +22,6 @@ constexpr std::size_t kFewestSectors = 6;
 constexpr std::size_t kMostSectors = 24;
 constexpr double kIndependentSamples =
     40.0;  // in a range on average: most have the 24 that show that it holds
-constexpr double kTurnsOnce = 1.05 * kTwoPi;
 // Values that differ by less count as one: steps that rounding has made uneven.
 constexpr double kSameValue = 5e-4;  // of the span
 constexpr double kOutsideUpperBound = 0.05;
@@ -110,9 +110,8 @@ std::vector<Range> RangesOf(const Regressor& regressor, std::span<const double> 
   }
   if (!(high > low)) return {};
   if (regressor.angle && high - low > kTurnsOnce) {
-    std::vector<double> within = regressor.values;
-    for (double& value : within) value -= kTwoPi * std::floor(value / kTwoPi + 1e-9);
-    return OfEqualWidth(within, weights, 0.0, kTwoPi, count(kFewestSectors, kMostSectors));
+    return OfEqualWidth(WithinTurn(regressor.values), weights, 0.0, kTwoPi,
+                        count(kFewestSectors, kMostSectors));
   }
   std::vector<Range> few = OfFewValues(regressor.values, weights, low, high - low);
   return few.empty() ? OfEqualWidth(regressor.values, weights, low, high, count(kFewestRanges, kMostRanges))

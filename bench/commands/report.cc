@@ -82,20 +82,21 @@ int WriteReport(const ReportOptions& options) {
   daq::WriteFileAtomically(options.out, html);
   const int files = options.csv.empty() ? 0 : WriteCsvTables(document, sheets, options.csv);
   const std::string no_pdf = options.pdf.empty() ? "" : PrintedOrWhyNot(html, options.pdf);
+  const bool printed = !options.pdf.empty() && no_pdf.empty();
   if (options.json) {
     nlohmann::ordered_json written{{"folders", options.folders},
                                    {"out", options.out},
                                    {"bytes", html.size()},
                                    {"csv_files", files},
                                    {"warnings", warnings}};
-    if (!options.pdf.empty() && no_pdf.empty()) written["pdf"] = options.pdf;
+    if (printed) written["pdf"] = options.pdf;
     ToStdout("{}\n", written.dump(2));
   } else {
     ToStdout("{}: {} campaign{}, {} sections, {}\n", options.out, sheets.size(),
              sheets.size() == 1 ? "" : "s", document.sections.size(),
              BytesText(static_cast<double>(html.size())));
     if (files > 0) ToStdout("{}: {} tables as CSV\n", options.csv, files);
-    if (!options.pdf.empty() && no_pdf.empty()) ToStdout("{}: the page on paper\n", options.pdf);
+    if (printed) ToStdout("{}: the page on paper\n", options.pdf);
   }
   if (no_pdf.empty()) return static_cast<int>(ExitCode::kDone);
   ToStderr("error: no PDF: {}\n", no_pdf);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/diagnosis/campaign_results.h"
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/quantities.h"
 #include "bench/diagnosis/diagnosis_pictures.h"
 #include "bench/diagnosis/picture_frame.h"
@@ -127,7 +128,7 @@ std::filesystem::path DrawCampaignResiduals(const DiagnosisReport& report, std::
                                             const std::filesystem::path& stem) {
   const CampaignCurves curves = CurvesOf(report);
   const diagnosis::Regressor& over = report.input.study->regressors()[regressor];
-  const std::string quantity = over.title.substr(0, over.title.find(" / "));
+  const std::string quantity = diagnosis::SplitTitle(over).quantity;
   return DrawPanels(
       report, curves, "measured less simulated, over " + quantity, AxisTitle(over.title), ModelLegend(report),
       stem, [&](std::size_t k, std::string& data) {

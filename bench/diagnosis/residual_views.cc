@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/diagnosis/residuals.h"
 #include "analysis/units.h"
 #include "bench/diagnosis/picture_frame.h"
@@ -60,17 +61,13 @@ std::vector<Bin> FillBins(std::span<const double> abscissa, std::span<const doub
 bool IsFolded(const diagnosis::Regressor& regressor) {
   if (!regressor.angle || regressor.values.empty()) return false;
   const auto [low, high] = std::ranges::minmax(regressor.values);
-  return high - low > 1.05 * kTwoPi;
+  return high - low > diagnosis::kTurnsOnce;
 }
 
 std::vector<double> AbscissaeOf(const diagnosis::Regressor& regressor) {
-  std::vector<double> abscissae = regressor.values;
-  const bool folded = IsFolded(regressor);
-  for (double& value : abscissae) {
-    // A full turn less rounding is the start of the next one.
-    if (folded) value -= kTwoPi * std::floor(value / kTwoPi + 1e-9);
-    value *= regressor.per_unit;
-  }
+  std::vector<double> abscissae =
+      IsFolded(regressor) ? diagnosis::WithinTurn(regressor.values) : regressor.values;
+  for (double& value : abscissae) value *= regressor.per_unit;
   return abscissae;
 }
 
@@ -114,8 +111,7 @@ std::vector<RegressorShare> SharesByRegressor(const DiagnosisReport& report) {
     const double raw = total > 0.0 ? (between - mean_part) / total : 0.0;
     // As adjusted R² does it.
     const double share = 1.0 - (1.0 - raw) * (all.samples - 1.0) / (all.samples - bins);
-    const std::size_t slash = regressor.title.find(" / ");
-    shares.push_back({k, regressor.title.substr(0, slash), std::clamp(share, 0.0, 1.0)});
+    shares.push_back({k, diagnosis::SplitTitle(regressor).quantity, std::clamp(share, 0.0, 1.0)});
   }
   std::ranges::stable_sort(shares, std::ranges::greater{}, &RegressorShare::share);
   return shares;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/diagnosis/residuals.h"
 #include "bench/diagnosis/diagnosis_pictures.h"
 #include "bench/diagnosis/picture_frame.h"
@@ -246,7 +247,7 @@ std::filesystem::path DrawResidualOver(const DiagnosisReport& report, std::size_
                                        const std::filesystem::path& stem) {
   const diagnosis::Study& study = *report.input.study;
   const Regressor& over = study.regressors()[regressor];
-  const std::string quantity = over.title.substr(0, over.title.find(" / "));
+  const std::string quantity = diagnosis::SplitTitle(over).quantity;
   const std::vector<double> abscissae = AbscissaeOf(over);
   const auto indices = Thinned(abscissae.size(), kMostDrawn);
   const PanelLayout layout = StackPanels(IsExtended(report) ? 2 : 1, 300.0, 44.0);

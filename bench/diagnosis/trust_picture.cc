@@ -87,17 +87,17 @@ std::filesystem::path DrawTrustedRegions(const DiagnosisReport& report, const st
                   kPanelLeft) +
       fmt::format("set style fill solid 1 noborder\nset ylabel {}\n",
                   Quoted(fmt::format("error ({})", study.unit())));
+  std::vector<LegendEntry> legend{{kLastColour.plain, NominalName(report)}};
+  if (IsExtended(report)) legend.push_back({kFirstColour.plain, "with the causes found"});
+  legend.push_back({"#999999", "too few samples"});
+  legend.push_back(
+      {"#444444",
+       fmt::format("pale: holds; dark: fails; dashed: {:g} times the noise", diagnosis::kToleratedExcess),
+       false});
+  script += Legend(legend, layout.panels.front(), layout.height_px);
   for (std::size_t panel = 0; panel < drawn.size(); ++panel) {
     const diagnosis::Regressor& regressor = study.regressors()[drawn[panel]];
     const std::vector<RegressorRange>& ranges = trusted.over[drawn[panel]];
-    std::vector<LegendEntry> legend{{kLastColour.plain, NominalName(report)}};
-    if (IsExtended(report)) legend.push_back({kFirstColour.plain, "with the causes found"});
-    legend.push_back({"#999999", "too few samples"});
-    legend.push_back(
-        {"#444444",
-         fmt::format("pale: holds; dark: fails; dashed: {:g} times the noise", diagnosis::kToleratedExcess),
-         false});
-    if (panel == 0) script += Legend(legend, layout.panels[panel], layout.height_px);
     script += PanelMargins(layout.panels[panel]);
     double top = tolerated;
     std::string plot;

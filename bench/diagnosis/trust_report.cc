@@ -6,6 +6,7 @@
 
 #include <fmt/ranges.h>
 
+#include "analysis/diagnosis/residual_views.h"
 #include "bench/text.h"
 
 namespace strainwave::bench {
@@ -36,13 +37,15 @@ struct TrustCounts {
   std::size_t holds{}, fails{}, too_few{};
 };
 
-TrustCounts Count(const std::vector<RegressorRange>& ranges, bool extended) {
+TrustCounts Count(const DiagnosisReport& report, bool extended) {
   TrustCounts counts;
-  for (const RegressorRange& range : ranges) {
-    const Validity validity = ErrorOf(range, extended).validity;
-    ++(validity == Validity::kHolds   ? counts.holds
-       : validity == Validity::kFails ? counts.fails
-                                      : counts.too_few);
+  for (const std::vector<RegressorRange>& ranges : report.result.trusted.over) {
+    for (const RegressorRange& range : ranges) {
+      const Validity validity = ErrorOf(range, extended).validity;
+      ++(validity == Validity::kHolds   ? counts.holds
+         : validity == Validity::kFails ? counts.fails
+                                        : counts.too_few);
+    }
   }
   return counts;
 }
@@ -72,14 +75,12 @@ std::vector<FailingRegion> FailingRegions(const DiagnosisReport& report, bool ex
 
 std::string RegionText(const DiagnosisReport& report, const FailingRegion& region) {
   const Regressor& over = *region.regressor;
-  const std::size_t slash = over.title.find(" / ");
-  const std::string quantity = over.title.substr(0, slash);
-  const std::string unit = slash == std::string::npos ? "" : " " + over.title.substr(slash + 3);
+  const diagnosis::TitleParts title = diagnosis::SplitTitle(over);
   const double low = region.low * over.per_unit;
   const double high = region.high * over.per_unit;
   const std::string range = low == high ? Text("{:.4g}", low) : Text("{:.4g} to {:.4g}", low, high);
-  return Text("{} {}{} ({:.3g} {})", quantity, range, unit, region.rmse * report.input.study->unit_per_si(),
-              report.input.study->unit());
+  return Text("{} {}{}{} ({:.3g} {})", title.quantity, range, title.unit.empty() ? "" : " ", title.unit,
+              region.rmse * report.input.study->unit_per_si(), report.input.study->unit());
 }
 
 std::string_view NameOf(Validity validity) {
@@ -105,15 +106,7 @@ bool HasTrustedRegions(const DiagnosisReport& report) {
 }
 
 std::string TrustWords(const DiagnosisReport& report, bool extended) {
-  std::size_t holding = 0;
-  std::size_t failing = 0;
-  std::size_t too_few = 0;
-  for (const std::vector<RegressorRange>& ranges : report.result.trusted.over) {
-    const TrustCounts counts = Count(ranges, extended);
-    holding += counts.holds;
-    failing += counts.fails;
-    too_few += counts.too_few;
-  }
+  const auto [holding, failing, too_few] = Count(report, extended);
   if (holding + failing == 0) return "these records are too short to say where";
   std::string text;
   if (failing == 0) {

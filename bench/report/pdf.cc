@@ -5,8 +5,6 @@
 
 #include <chrono>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -34,11 +32,6 @@ std::string FileUrl(const fs::path& file) {
     url += plain ? std::string(1, character) : fmt::format("%{:02X}", static_cast<unsigned char>(character));
   }
   return url;
-}
-
-std::string BytesOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string LastLine(const std::string& text) {
@@ -76,7 +69,7 @@ void WritePdf(const std::string& html, const fs::path& pdf, const std::vector<st
       throw PdfError(fmt::format("{} could not be started: {}", browser, std::strerror(end.error)));
     if (end.late)
       throw PdfError(fmt::format("{} took longer than {} min and was ended", browser, kLimit.count()));
-    const std::string bytes = BytesOf(printed);
+    const std::string bytes = fs::exists(printed) ? daq::ReadWholeFile(printed) : "";
     if (end.signal != 0 || end.exit_code != 0 || !bytes.starts_with(kBeginsPdf))
       throw PdfError(
           fmt::format("{} printed no PDF: {}", browser,
