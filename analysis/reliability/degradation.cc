@@ -2,120 +2,162 @@
 #include "analysis/reliability/degradation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <utility>
 
-#include <fmt/format.h>
-#include <Eigen/LU>
-
-#include "analysis/reliability/straight_fit.h"
+#include "analysis/reliability/limit_forecast.h"
+#include "analysis/reliability/rate_trend.h"
+#include "analysis/reliability/weibull_fit.h"
 
 namespace strainwave::analysis::reliability {
 namespace {
 
-using Eigen::VectorXd;
+// Half-normal scale of the deviation of ln(life) between units: that of a maker whose L50 is five times L10
+// (docs/sources.md#hd-csf-csg), ln 5 / 1.2816.
+constexpr double kPriorDeviation = 1.256;
 
-constexpr std::size_t kMostPoints = 80;
-constexpr double kSmallestPower = 0.3;
-constexpr double kLargestPower = 4.0;
+constexpr std::size_t kSharedDraws = 200;
+constexpr std::size_t kOwnDraws = 100;
+constexpr double kLongest = 1e4;      // lives longer than so many times what was seen count as that
+constexpr double kLeastError = 1e-3;  // of the logarithm of a life
 
-template <class Value>
-double SmallestPower(Value value) {
-  constexpr int kSteps = 37;
-  double best = kSmallestPower;
-  double smallest = kNever;
-  const double step = (kLargestPower - kSmallestPower) / kSteps;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double power = kSmallestPower + step * i;
-    const double v = value(power);
-    if (v < smallest) {
-      smallest = v;
-      best = power;
-    }
-  }
-  double low = std::max(kSmallestPower, best - step);
-  double high = std::min(kLargestPower, best + step);
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  for (int i = 0; i < 30; ++i) {
-    const double a = high - golden * (high - low);
-    const double b = low + golden * (high - low);
-    value(a) < value(b) ? high = b : low = a;
-  }
-  return 0.5 * (low + high);
-}
+using Wander = std::array<WanderStep, kFutureSteps>;
 
-// ln ∫ exp(−(e^u − slope)² / (2 variance)) N(u; mean, deviation) du, about its mode.
-double LogIntegral(double slope, double variance, double mean, double deviation) {
-  const auto log_at = [&](double u) {
-    const double off = std::exp(u) - slope;
-    const double z = (u - mean) / deviation;
-    return -0.5 * off * off / variance - 0.5 * z * z;
-  };
-  double u = slope > 0.0 && variance < slope * slope * deviation * deviation ? std::log(slope) : mean;
-  double curvature = 1.0;
-  for (int i = 0; i < 60; ++i) {
-    const double b = std::exp(u);
-    const double gradient = -(b - slope) * b / variance - (u - mean) / (deviation * deviation);
-    curvature = std::max(b * b / variance, 0.0) + 1.0 / (deviation * deviation);
-    double step = std::clamp(gradient / curvature, -1.0, 1.0);
-    while (std::abs(step) > 1e-14 && log_at(u + step) < log_at(u)) step *= 0.5;
-    u += step;
-    if (std::abs(step) < 1e-9) break;
-  }
-  // A trapezium over a Gaussian shape is exact to rounding once its steps are shorter than its width.
-  const double width = 1.0 / std::sqrt(curvature);
-  const double peak = log_at(u);
-  double sum = 0.0;
-  constexpr int kHalf = 24;
-  constexpr double kReach = 8.0;
-  for (int i = -kHalf; i <= kHalf; ++i) sum += std::exp(log_at(u + kReach * width * i / kHalf) - peak);
-  return peak + std::log(sum * kReach * width / kHalf / (deviation * std::sqrt(2.0 * std::numbers::pi)));
-}
-
-// Of all paths at one κ: pooled noise and the log-likelihood of ln b ~ N(mean, deviation).
-class Population {
+class Normals {
  public:
-  Population(std::span<const DegradationPath> paths, double reference) {
-    for (const DegradationPath& path : paths) {
-      DegradationPath scaled = Binned(path, kMostPoints);
-      for (double& cycle : scaled.cycle) cycle /= reference;
-      paths_.push_back(std::move(scaled));
+  Wander DrawWander() {
+    Wander wander;
+    for (WanderStep& step : wander) {
+      step.exponent = normal_(random_);
+      step.rate = normal_(random_);
     }
+    return wander;
   }
-
-  double Value(double log_quantile, double log_deviation, double power, double z) const {
-    if (!(power >= kSmallestPower && power <= kLargestPower && std::abs(log_deviation) < 12.0))
-      return -kNever;
-    const double deviation = std::exp(log_deviation);
-    const double mean = deviation * z - power * log_quantile;
-    double residuals = 0.0;
-    double freedom = 0.0;
-    std::vector<StraightFit> fits;
-    for (const DegradationPath& path : paths_) {
-      fits.push_back(FitPower(path.cycle, path.way, power));
-      residuals += fits.back().residual_sum;
-      freedom += static_cast<double>(path.cycle.size()) - 2.0;
-    }
-    const double variance = residuals / freedom;
-    double sum = -0.5 * residuals / variance;
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-      sum -= 0.5 * (static_cast<double>(paths_[i].cycle.size()) - 1.0) * std::log(variance);
-      sum += LogIntegral(fits[i].slope, variance * fits[i].slope_spread, mean, deviation);
-    }
-    return sum;
-  }
-
-  double ResidualSum(double power) const {
-    double sum = 0.0;
-    for (const DegradationPath& path : paths_) sum += FitPower(path.cycle, path.way, power).residual_sum;
-    return sum;
-  }
-
-  const std::vector<DegradationPath>& paths() const { return paths_; }
+  RateNow DrawFrom(const RateTrend& trend) { return trend.Draw(normal_, random_); }
 
  private:
-  std::vector<DegradationPath> paths_;
+  std::mt19937_64 random_{1};
+  boost::random::normal_distribution<double> normal_;
 };
+
+// ln(life) as a draw of what is shared leaves it.
+struct ForeseenLife {
+  double mean{};
+  double variance{};
+};
+
+ForeseenLife Summed(std::vector<double>& logs) {
+  std::ranges::sort(logs);
+  const auto at = [&](double share) {
+    return logs[static_cast<std::size_t>(share * static_cast<double>(logs.size() - 1))];
+  };
+  const double error = std::max(0.5 * (at(0.8413) - at(0.1587)), kLeastError);
+  return {at(0.5), error * error};
+}
+
+// A unit whose limit is to come.
+class Approaching {
+ public:
+  Approaching(const RateTrend& trend, Normals& normals) : log_last_(std::log(trend.last_cycle())) {
+    for (std::size_t i = 0; i < kOwnDraws; ++i) now_.push_back(normals.DrawFrom(trend));
+  }
+
+  ForeseenLife Given(const Wander& shared) const {
+    std::vector<double> logs;
+    for (const RateNow& now : now_) {
+      const double crossing = CrossingOf(now, [&](std::size_t step) { return shared[step]; });
+      logs.push_back(log_last_ + std::log(std::min(crossing, kLongest)));
+    }
+    return Summed(logs);
+  }
+
+ private:
+  double log_last_;
+  std::vector<RateNow> now_;
+};
+
+// What units tell of the normal law of ln(life).
+struct Evidence {
+  std::vector<ForeseenLife> lives;      // seen or forecast
+  std::vector<double> suspended_after;  // ln(cycle)
+
+  // Of a life that is foreseen: ∫ N(u; mean, deviation²) exp(−(u − life.mean)²/(2 life.variance)) du, so that
+  // a draw of what is shared does not gain by leaving lives more certain.
+  double LogLikelihood(double mean, double deviation) const {
+    double sum = 0.0;
+    for (const ForeseenLife& life : lives) {
+      const double variance = deviation * deviation + life.variance;
+      const double off = life.mean - mean;
+      sum -= 0.5 * (off * off / variance + std::log(variance / life.variance));
+    }
+    for (const double after : suspended_after)
+      sum += std::log(std::max(0.5 * std::erfc((after - mean) / (deviation * std::numbers::sqrt2)), 1e-300));
+    return sum;
+  }
+};
+
+struct Weighed {
+  double mean{};
+  double deviation{};
+  double log_weight{};
+};
+
+// The posterior by quadrature: deviations by even ratios, means about that of the lives, fine near it and
+// out to where so few lives leave any weight.
+void AddPosterior(const Evidence& evidence, std::vector<Weighed>& points) {
+  constexpr int kDeviations = 30;
+  constexpr double kSmallest = 0.01;
+  constexpr double kLargest = 4.0;
+  constexpr int kHalf = 30;
+  constexpr double kReach = 6.0;
+  const auto n = static_cast<double>(evidence.lives.size());
+  double centre = 0.0;
+  for (const ForeseenLife& life : evidence.lives) centre += life.mean / n;
+  double square = 0.0;
+  for (const ForeseenLife& life : evidence.lives)
+    square += ((life.mean - centre) * (life.mean - centre) + life.variance) / n;
+  const double width = std::sqrt(square / n);
+  const double end = std::asinh(kReach / width);
+  for (int i = 0; i < kDeviations; ++i) {
+    const double deviation = kSmallest * std::pow(kLargest / kSmallest, (i + 0.5) / kDeviations);
+    const double z = deviation / kPriorDeviation;
+    for (int k = -kHalf; k <= kHalf; ++k) {
+      const double t = end * k / kHalf;
+      const double mean = centre + width * std::sinh(t);
+      // Of even steps of t and of ln(deviation).
+      const double measure = std::log(std::cosh(t)) + std::log(width * deviation * end);
+      points.push_back({mean, deviation, evidence.LogLikelihood(mean, deviation) - 0.5 * z * z + measure});
+    }
+  }
+}
+
+// Quantiles of a function of the points, at ascending shares.
+template <class Value>
+LifeQuantile QuantileOf(const std::vector<Weighed>& points, double level, Value value) {
+  std::vector<std::pair<double, double>> weights;
+  weights.reserve(points.size());
+  double sum = 0.0;
+  for (const Weighed& point : points) {
+    const double weight = std::exp(point.log_weight);
+    weights.emplace_back(value(point), weight);
+    sum += weight;
+  }
+  std::ranges::sort(weights);
+  LifeQuantile quantile;
+  double below = 0.0;
+  const std::array<std::pair<double, double*>, 3> wanted{{{0.5 * (1.0 - level), &quantile.interval.low},
+                                                          {0.5, &quantile.value},
+                                                          {0.5 * (1.0 + level), &quantile.interval.high}}};
+  std::size_t next = 0;
+  for (const auto& [at, weight] : weights) {
+    below += weight;
+    while (next < wanted.size() && below >= wanted[next].first * sum) *wanted[next++].second = at;
+  }
+  return quantile;
+}
 
 }  // namespace
 
@@ -124,53 +166,46 @@ DegradationLife LifeFromDegradation(std::span<const DegradationPath> paths,
   if (paths.size() < 2)
     throw NoEstimate("one specimen tells nothing of how others differ",
                      "two campaigns at least, of different specimens; its own forecast needs one");
-  double reference = 0.0;
+  DegradationLife life;
+  Evidence known;
+  std::vector<Approaching> approaching;
+  Normals normals;
   for (const DegradationPath& path : paths) {
     RequirePath(path);
-    reference = std::max(reference, path.cycle.back());
+    const auto met = std::ranges::find_if(path.way, [](double way) { return way >= 1.0; });
+    if (met != path.way.end()) {
+      const double cycle = path.cycle[static_cast<std::size_t>(met - path.way.begin())];
+      known.lives.push_back({std::log(cycle), kLeastError * kLeastError});
+      life.pseudo_failures.push_back(cycle);
+      continue;
+    }
+    const RateTrend trend(path);
+    const LimitForecast forecast = ForecastLimit(trend, level);
+    life.pseudo_failures.push_back(forecast.is_approached ? forecast.cycle : kNever);
+    if (forecast.is_approached)
+      approaching.emplace_back(trend, normals);
+    else
+      known.suspended_after.push_back(std::log(trend.last_cycle()));
   }
-  const Population population(paths, reference);
-  const double power = SmallestPower([&](double k) { return population.ResidualSum(k); });
-  DegradationLife life;
-  double freedom = 0.0;
-  std::vector<double> logs;
-  for (const DegradationPath& path : population.paths()) {
-    const StraightFit fit = FitPower(path.cycle, path.way, power);
-    freedom += static_cast<double>(path.cycle.size()) - 2.0;
-    if (fit.slope > 0.0) logs.push_back(std::log(fit.slope));
-    life.pseudo_failures.push_back(
-        fit.slope > 0.0 ? reference * std::pow(std::max(1.0 - fit.intercept, 0.0) / fit.slope, 1.0 / power)
-                        : kNever);
+  if (known.lives.empty() && approaching.empty())
+    throw NoEstimate("no specimen approaches its limit", "more cycles, or another limit");
+
+  std::vector<Weighed> points;
+  for (std::size_t draw = 0; draw < (approaching.empty() ? 1 : kSharedDraws); ++draw) {
+    const Wander shared = normals.DrawWander();
+    Evidence evidence = known;
+    for (const Approaching& unit : approaching) evidence.lives.push_back(unit.Given(shared));
+    AddPosterior(evidence, points);
   }
-  if (logs.empty()) throw NoEstimate("no specimen approaches its limit", "more cycles, or another limit");
-  life.noise = std::sqrt(population.ResidualSum(power) / freedom);
-  double mean = 0.0;
-  for (const double log : logs) mean += log / static_cast<double>(logs.size());
-  double squares = 0.0;
-  for (const double log : logs) squares += (log - mean) * (log - mean);
-  const double deviation = std::max(std::sqrt(squares / static_cast<double>(logs.size())), 0.02);
+  double most = -kNever;
+  for (const Weighed& point : points) most = std::max(most, point.log_weight);
+  for (Weighed& point : points) point.log_weight -= most;
+
+  life.log_deviation = QuantileOf(points, level, [](const Weighed& point) { return point.deviation; });
   for (const double share : shares_failed) {
     const double z = NormalQuantile(share);
-    const LogLikelihood function =
-        ByDifferences([&](const VectorXd& at) { return population.Value(at(0), at(1), at(2), z); }, 1e-3);
-    const Eigen::Vector3d start((deviation * z - mean) / power, std::log(deviation), power);
-    const bool at_end = power < kSmallestPower + 0.02 || power > kLargestPower - 0.02;
-    const auto maximum =
-        Maximise(function, start, at_end ? std::vector<Eigen::Index>{2} : std::vector<Eigen::Index>{});
-    if (!maximum)
-      throw NoEstimate("the likelihood of these paths has no maximum",
-                       "more cycles, or specimens that differ");
-    const auto to_cycles = [&](double log) { return reference * std::exp(log); };
-    BoundedEstimate bounded;
-    bounded.value = bounded.median_unbiased = to_cycles(maximum->at(0));
-    const double half =
-        NormalQuantile(0.5 * (1.0 + level)) * std::sqrt((-maximum->evaluation.hessian).inverse()(0, 0));
-    bounded.fisher = {to_cycles(maximum->at(0) - half), to_cycles(maximum->at(0) + half)};
-    const Interval ratio = LikelihoodRatioInterval(function, *maximum, 0, level);
-    bounded.likelihood_ratio = bounded.corrected = {to_cycles(ratio.low), to_cycles(ratio.high)};
-    life.quantiles.push_back(bounded);
-    life.power = maximum->at(2);
-    life.log_slope_deviation = std::exp(maximum->at(1));
+    life.quantiles.push_back(QuantileOf(
+        points, level, [&](const Weighed& point) { return std::exp(point.mean + z * point.deviation); }));
   }
   return life;
 }

@@ -1,257 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/reliability/limit_forecast.h"
 
-#include <ceres/tiny_solver.h>
-
 #include <algorithm>
-#include <cmath>
 #include <random>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
 #include <boost/random/normal_distribution.hpp>
 
-#include "analysis/reliability/straight_fit.h"
-
 namespace strainwave::analysis::reliability {
-namespace {
-
-using Eigen::MatrixXd, Eigen::VectorXd;
-
-// Of the logarithm of the rate over the logarithm of cycles (docs/life.md#forecasts has the counts). Chosen
-// on lives seen to 60 % whose wear is the simulated plant's, settles, or is a gamma process (80 each; σ 0.3
-// to 0.7, τ 0.7 to 1.4, μ 0 to 1 were tried): of 90 % intervals 97, 92 and 90 % held.
-constexpr double kRateWander = 0.7;         // σ per √u
-constexpr double kExponentWander = 0.7;     // τ per √u
-constexpr double kExponentGrowth = 0.5;     // μ: wear grows faster in the end
-constexpr double kExponentDeviation = 1.0;  // of β before anything is seen
-constexpr double kLevelWeight = 1e-4;       // of ln r before anything is seen: none that matters
-
-constexpr std::size_t kMostPointsOfOne = 80;
-constexpr int kKnots = 12;          // of each random walk
-constexpr Eigen::Index kFixed = 3;  // way₀, ln r now, β now
-constexpr Eigen::Index kParameters = kFixed + 2 * kKnots;
-constexpr int kSteps = 120;  // of the integrals over what was seen
-constexpr int kDraws = 2000;
-constexpr double kLargestLog = 40.0;  // of a rate, so that it has an exponential
-
-// Integral from the first point on, by trapezia.
-VectorXd IntegralOf(const VectorXd& values, const VectorXd& over) {
-  VectorXd sum = VectorXd::Zero(values.size());
-  for (Eigen::Index i = 1; i < values.size(); ++i)
-    sum(i) = sum(i - 1) + 0.5 * (values(i) + values(i - 1)) * (over(i) - over(i - 1));
-  return sum;
-}
-
-VectorXd Rates(const VectorXd& logs) {
-  return logs.cwiseMax(-kLargestLog).cwiseMin(kLargestLog).array().exp();
-}
-
-// What was seen, over cycles as shares of the last.
-class SeenPath {
- public:
-  SeenPath(const VectorXd& cycle, const VectorXd& way) : way_(way) {
-    const double first = std::log(cycle(0));
-    std::vector<double> grid(cycle.begin(), cycle.end());
-    for (int i = 0; i <= kSteps; ++i)
-      grid.push_back(std::exp(first * (1.0 - static_cast<double>(i) / kSteps)));
-    std::ranges::sort(grid);
-    grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
-    cycle_ = VectorXd::Map(grid.data(), static_cast<Eigen::Index>(grid.size()));
-    for (const double at : cycle) at_.push_back(std::ranges::lower_bound(grid, at) - grid.begin());
-    knot_ = -first / kKnots;
-    const VectorXd log = cycle_.array().log();
-    log_rate_ = MatrixXd::Zero(log.size(), kParameters);
-    log_rate_.col(1).setOnes();
-    log_rate_.col(2) = log;
-    for (int k = 0; k < kKnots; ++k) {
-      // A step of the walk within a knot's interval: all before it lies lower by that much.
-      const double end = first + knot_ * (k + 1);
-      const VectorXd before = ((end - log.array()) / knot_).cwiseMax(0.0).cwiseMin(1.0);
-      const VectorXd sum = IntegralOf(before, log);
-      log_rate_.col(kFixed + k) = -before;
-      log_rate_.col(kFixed + kKnots + k) = (sum(sum.size() - 1) - sum.array()).matrix();
-    }
-    prior_ = VectorXd::Constant(kParameters, 1.0 / (kRateWander * kRateWander * knot_));
-    prior_.tail(kKnots).setConstant(1.0 / (kExponentWander * kExponentWander * knot_));
-    prior_.head(kFixed) << 0.0, kLevelWeight, 1.0 / (kExponentDeviation * kExponentDeviation);
-    expected_ = VectorXd::Zero(kParameters);
-    expected_.tail(kKnots).setConstant(kExponentGrowth * knot_);
-  }
-
-  Eigen::Index size() const { return way_.size(); }
-  const VectorXd& prior() const { return prior_; }
-  const VectorXd& expected() const { return expected_; }
-
-  VectorXd Residuals(const VectorXd& at) const {
-    const VectorXd sum = IntegralOf(Rates(log_rate_ * at), cycle_);
-    VectorXd residuals(way_.size());
-    for (Eigen::Index i = 0; i < way_.size(); ++i) residuals(i) = way_(i) - at(0) - sum(at_[i]);
-    return residuals;
-  }
-
-  MatrixXd Jacobian(const VectorXd& at) const {
-    const VectorXd rates = Rates(log_rate_ * at);
-    MatrixXd jacobian(way_.size(), kParameters);
-    jacobian.col(0).setOnes();
-    for (Eigen::Index j = 1; j < kParameters; ++j) {
-      const VectorXd sum = IntegralOf(rates.cwiseProduct(log_rate_.col(j)), cycle_);
-      for (Eigen::Index i = 0; i < way_.size(); ++i) jacobian(i, j) = sum(at_[i]);
-    }
-    return jacobian;
-  }
-
-  double WayNow(const VectorXd& at) const {
-    return at(0) + IntegralOf(Rates(log_rate_ * at), cycle_)(cycle_.size() - 1);
-  }
-
- private:
-  VectorXd way_;
-  VectorXd cycle_;                // of the integrals
-  std::vector<Eigen::Index> at_;  // where the points are among them
-  MatrixXd log_rate_;             // what each parameter adds to ln r
-  VectorXd prior_;                // 1/variance
-  VectorXd expected_;
-  double knot_{};
-};
-
-struct Posterior {
-  VectorXd mode;
-  MatrixXd precision;
-  VectorXd residuals;
-  double free_parameters{};  // as many as the points determine
-};
-
-// What was seen over its noise, then each parameter off what is expected over its deviation; as
-// ceres::TinySolver asks for it.
-class WeighedPath {
- public:
-  using Scalar = double;
-  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kParameters };
-
-  WeighedPath(const SeenPath& path, double variance)
-      : path_(path), weight_(1.0 / std::sqrt(variance)), prior_(path.prior().cwiseSqrt()) {}
-
-  int NumResiduals() const { return static_cast<int>(path_.size() + kParameters); }
-
-  bool operator()(const double* parameters, double* residuals, double* jacobian) const {
-    const VectorXd at = VectorXd::Map(parameters, kParameters);
-    Eigen::Map<VectorXd> out(residuals, NumResiduals());
-    out.head(path_.size()) = weight_ * path_.Residuals(at);
-    out.tail(kParameters) = prior_.cwiseProduct(at - path_.expected());
-    if (jacobian != nullptr) {
-      Eigen::Map<MatrixXd> slopes(jacobian, NumResiduals(), kParameters);
-      slopes.topRows(path_.size()) = -weight_ * path_.Jacobian(at);
-      slopes.bottomRows(kParameters) = prior_.asDiagonal();
-    }
-    return true;
-  }
-
- private:
-  const SeenPath& path_;
-  double weight_;
-  VectorXd prior_;  // 1/deviation
-};
-
-Posterior MaximumOf(const SeenPath& path, double variance, const VectorXd& start) {
-  constexpr int kIterations = 60;
-  ceres::TinySolver<WeighedPath> solver;
-  solver.options.max_num_iterations = kIterations;
-  Eigen::Matrix<double, kParameters, 1> at = start;
-  solver.Solve(WeighedPath(path, variance), &at);
-  const MatrixXd jacobian = path.Jacobian(at);
-  const MatrixXd told = jacobian.transpose() * jacobian / variance;
-  Posterior posterior{at, told + MatrixXd(path.prior().asDiagonal()), path.Residuals(at), 0.0};
-  posterior.free_parameters = posterior.precision.ldlt().solve(told).trace();
-  return posterior;
-}
-
-// 1 for independent residuals, more where they repeat each other.
-double InflationBy(const VectorXd& residuals) {
-  constexpr double kMostCorrelation = 0.95;
-  const Eigen::Index n = residuals.size();
-  const double squares = residuals.squaredNorm();
-  if (!(squares > 0.0)) return 1.0;
-  const double r =
-      std::clamp(residuals.head(n - 1).dot(residuals.tail(n - 1)) / squares, 0.0, kMostCorrelation);
-  return (1.0 + r) / (1.0 - r);
-}
-
-// Cycles at which the limit is met, as multiples of the last; in order.
-std::vector<double> Crossings(const SeenPath& path, const Posterior& posterior) {
-  // Steps of ln(cycle) from now on: fine while the life doubles, coarse to ten thousand times what was seen.
-  std::vector<double> later;
-  for (int i = 1; i <= 60; ++i) later.push_back(0.025 * i);
-  for (int i = 1; i <= 60; ++i) later.push_back(1.5 + i * (std::log(1e4) - 1.5) / 60.0);
-  std::mt19937_64 random(1);
-  boost::random::normal_distribution<double> normal;
-  const Eigen::LLT<MatrixXd> factor(posterior.precision);
-  std::vector<double> crossings;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    VectorXd z(kParameters);
-    for (double& value : z) value = normal(random);
-    const VectorXd at = posterior.mode + factor.matrixU().solve(z);
-    double way = path.WayNow(at);
-    double log_rate = at(1);
-    double exponent = at(2);
-    double u = 0.0;
-    double crossing = way >= 1.0 ? 1.0 : kNever;
-    for (const double next : later) {
-      if (crossing != kNever) break;
-      const double du = next - u;
-      const double bend = kExponentGrowth * du + kExponentWander * std::sqrt(du) * normal(random);
-      const double log_next =
-          log_rate + (exponent + 0.5 * bend) * du + kRateWander * std::sqrt(du) * normal(random);
-      const double cycles = std::exp(next) - std::exp(u);
-      const double added = 0.5 * cycles *
-                           (std::exp(std::clamp(log_rate, -kLargestLog, kLargestLog)) +
-                            std::exp(std::clamp(log_next, -kLargestLog, kLargestLog)));
-      if (way + added >= 1.0) crossing = std::exp(u) + cycles * (1.0 - way) / added;
-      way += added;
-      exponent += bend;
-      log_rate = log_next;
-      u = next;
-    }
-    crossings.push_back(crossing);
-  }
-  std::ranges::sort(crossings);
-  return crossings;
-}
-
-}  // namespace
 
 LimitForecast ForecastLimit(const DegradationPath& path, double level) {
-  RequirePath(path);
-  const DegradationPath points = Binned(path, kMostPointsOfOne);
-  const double last = path.cycle.back();
-  const auto n = static_cast<Eigen::Index>(points.cycle.size());
-  const VectorXd cycle = VectorXd::Map(points.cycle.data(), n) / last;
-  const VectorXd way = VectorXd::Map(points.way.data(), n);
-  const StraightFit line = FitPower({cycle.data(), points.cycle.size()}, points.way, 1.0);
+  return ForecastLimit(RateTrend(path), level);
+}
+
+LimitForecast ForecastLimit(const RateTrend& trend, double level) {
+  constexpr int kDraws = 2000;
   LimitForecast forecast;
-  if (!(line.slope > 0.0)) return forecast;
-
-  const SeenPath seen(cycle, way);
-  VectorXd start = seen.expected();
-  start.head(kFixed) << way(0), std::log(line.slope), 0.0;
-  // The noise and the path in turn, from what neighbours differ by.
-  constexpr double kLeastVariance = 1e-10;  // of the way: no reading is better than 1e-5 of it
-  double variance = std::max(
-      0.5 * (way.tail(n - 1) - way.head(n - 1)).squaredNorm() / static_cast<double>(n - 1), kLeastVariance);
-  Posterior posterior;
-  constexpr int kTurns = 4;
-  for (int turn = 0; turn < kTurns; ++turn) {
-    posterior = MaximumOf(seen, variance, turn == 0 ? start : posterior.mode);
-    const double freedom = std::max(static_cast<double>(n) - posterior.free_parameters, 4.0);
-    variance = std::max(posterior.residuals.squaredNorm() / freedom * InflationBy(posterior.residuals),
-                        kLeastVariance);
-  }
-  posterior = MaximumOf(seen, variance, posterior.mode);
-  if (!(line.slope > NormalQuantile(level) * std::sqrt(variance * line.slope_spread))) return forecast;
-
-  const std::vector<double> crossings = Crossings(seen, posterior);
+  if (!trend.IsApproached(level)) return forecast;
+  std::mt19937_64 random(1);
+  boost::random::normal_distribution<double> normal;
+  const auto wander = [&](std::size_t) {
+    const double exponent = normal(random);
+    return WanderStep{exponent, normal(random)};
+  };
+  std::vector<double> crossings;
+  for (int draw = 0; draw < kDraws; ++draw)
+    crossings.push_back(CrossingOf(trend.Draw(normal, random), wander));
+  std::ranges::sort(crossings);
   const auto quantile = [&](double share) {
-    return last * crossings[static_cast<std::size_t>(share * static_cast<double>(crossings.size() - 1))];
+    return trend.last_cycle() *
+           crossings[static_cast<std::size_t>(share * static_cast<double>(crossings.size() - 1))];
   };
   forecast.cycle = quantile(0.5);
   forecast.interval = {quantile(0.5 * (1.0 - level)), quantile(0.5 * (1.0 + level))};

@@ -12,7 +12,8 @@
 namespace strainwave::bench {
 namespace {
 
-using analysis::reliability::BoundedEstimate, analysis::reliability::Interval;
+using analysis::reliability::BoundedEstimate, analysis::reliability::Interval,
+    analysis::reliability::LifeQuantile;
 using nlohmann::ordered_json;
 
 std::string Cycles(double value) { return std::isfinite(value) ? fmt::format("{:.0f}", value) : "never"; }
@@ -26,14 +27,17 @@ std::string ForecastText(const CampaignLimit& limit) {
                             Cycles(limit.forecast.interval.low), Cycles(limit.forecast.interval.high));
 }
 
-std::string CyclesRow(const std::string& name, const BoundedEstimate& estimate, LifeBounds bounds) {
-  const Interval shown = ShownOf(estimate, bounds);
-  return fmt::format("  {:28} {:>10} {:>10} {:>10}\n", name, Cycles(estimate.value), Cycles(shown.low),
-                     Cycles(shown.high));
+std::string CyclesRow(const std::string& name, double value, const Interval& interval) {
+  return fmt::format("  {:28} {:>10} {:>10} {:>10}\n", name, Cycles(value), Cycles(interval.low),
+                     Cycles(interval.high));
 }
 
 ordered_json KnownJson(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json QuantileJson(const LifeQuantile& quantile) {
+  return {{"value", quantile.value}, {"low", quantile.interval.low}, {"high", quantile.interval.high}};
 }
 
 ordered_json LimitJson(const CampaignLimit& limit) {
@@ -61,16 +65,17 @@ std::string TextOf(const CampaignsReport& report) {
   }
   for (const QuantityLife& life : report.lives) {
     text += fmt::format(
-        "\nlife to the limit of {}, in cycles, from {} specimens (mixed effects, way = a + b cycle^{:.2f})\n "
+        "\nlife of others to the limit of {}, in cycles, from {} specimens (mixed effects)\n "
         " {:28} {:>10} {:>10} {:>10}\n",
-        life.quantity, life.life.pseudo_failures.size(), life.life.power, "", "likeliest",
+        life.quantity, life.life.pseudo_failures.size(), "", "median",
         fmt::format("{:g} % from", 100.0 * report.settings.level), "to");
     for (std::size_t i = 0; i < report.settings.shares.size(); ++i) {
+      const LifeQuantile& quantile = life.life.quantiles[i];
+      text += CyclesRow(QuantileName(report.settings.shares[i]), quantile.value, quantile.interval);
+      if (!life.pseudo) continue;
+      const BoundedEstimate& pseudo = life.pseudo->quantiles[i].life;
       text +=
-          CyclesRow(QuantileName(report.settings.shares[i]), life.life.quantiles[i], report.settings.bounds);
-      if (life.pseudo)
-        text += CyclesRow("  by pseudo-failures, Weibull", life.pseudo->quantiles[i].life,
-                          report.settings.bounds);
+          CyclesRow("  by pseudo-failures, Weibull", pseudo.value, ShownOf(pseudo, report.settings.bounds));
     }
   }
   text +=
@@ -99,13 +104,11 @@ ordered_json JsonOf(const CampaignsReport& report) {
   }
   json["life"] = ordered_json::object();
   for (const QuantityLife& life : report.lives) {
-    ordered_json one{{"power", life.life.power},
-                     {"log_slope_deviation", life.life.log_slope_deviation},
-                     {"noise", life.life.noise}};
+    ordered_json one{{"log_life_deviation", QuantileJson(life.life.log_deviation)}};
     for (const double cycle : life.life.pseudo_failures) one["pseudo_failures"].push_back(KnownJson(cycle));
     for (std::size_t i = 0; i < report.settings.shares.size(); ++i) {
       const std::string name = QuantileName(report.settings.shares[i]);
-      one["quantiles"][name] = JsonOf(life.life.quantiles[i], report.settings.bounds);
+      one["quantiles"][name] = QuantileJson(life.life.quantiles[i]);
       if (life.pseudo)
         one["by_pseudo_failures"][name] = JsonOf(life.pseudo->quantiles[i].life, report.settings.bounds);
     }

@@ -69,12 +69,12 @@ Course Settling(Random& random) {
   return course;
 }
 
-Course GammaProcess(Random& random) {
-  const double shape = Uniform(0.05, 0.5, random);
-  std::gamma_distribution<double> step(shape, Uniform(0.5, 2.0, random) / (kSteps * shape));
+Course GammaProcess(Random& law, Random& unit) {
+  const double shape = Uniform(0.05, 0.5, law);
+  std::gamma_distribution<double> step(shape, Uniform(0.5, 2.0, law) / (kSteps * shape));
   Course course;
   double sum = 0.0;
-  for (int i = 0; i < 6 * kSteps; ++i) course.value.push_back(sum += step(random));
+  for (int i = 0; i < 6 * kSteps; ++i) course.value.push_back(sum += step(unit));
   return course;
 }
 
@@ -120,14 +120,15 @@ Course Logistic(Random& random) {
   return course;
 }
 
-Course Draw(LifeLaw law, Random& random) {
+// @param unit  what differs between units of the same law.
+Course Draw(LifeLaw law, Random& random, Random& unit) {
   switch (law) {
     case LifeLaw::kPlantWear:
       return PlantWear(random);
     case LifeLaw::kSettling:
       return Settling(random);
     case LifeLaw::kGammaProcess:
-      return GammaProcess(random);
+      return GammaProcess(random, unit);
     case LifeLaw::kCrackGrowth:
       return CrackGrowth(random);
     case LifeLaw::kWornLayer:
@@ -136,6 +137,54 @@ Course Draw(LifeLaw law, Random& random) {
       return Logistic(random);
   }
   return {};
+}
+
+std::size_t StepMet(const Course& course) {
+  return static_cast<std::size_t>(
+      std::ranges::find_if(course.value, [&](double value) { return value >= course.limit; }) -
+      course.value.begin());
+}
+
+bool IsUsable(const Course& course) {
+  constexpr std::size_t kFewestSteps = 30;
+  return StepMet(course) >= kFewestSteps && StepMet(course) < course.value.size();
+}
+
+struct Noise {
+  double white{};
+  double drift{};
+  double memory{};  // of the drift, per cycle
+};
+
+Noise DrawNoise(Random& random) {
+  const double white = LogUniform(0.003, 0.05, random);
+  const double drift = LogUniform(0.001, 0.02, random);
+  return {white, drift, Uniform(0.5, 0.97, random)};
+}
+
+// Cycles from steps as fine as the law was solved.
+SimulatedLife LifeOf(const Course& course, double steps_a_cycle, const Noise& noise, Random& random) {
+  SimulatedLife life;
+  double drifted = 0.0;
+  for (int cycle = 1;; ++cycle) {
+    const double step = steps_a_cycle * (cycle - 1);
+    const auto before = static_cast<std::size_t>(step);
+    if (before + 1 >= course.value.size()) break;
+    const double part = step - static_cast<double>(before);
+    const double value =
+        (course.value[before] + part * (course.value[before + 1] - course.value[before])) / course.limit;
+    if (value >= 1.0 && life.met == 0) life.met = cycle;
+    drifted = noise.memory * drifted + std::sqrt(1.0 - noise.memory * noise.memory) * Normal(random);
+    life.seen.cycle.push_back(cycle);
+    life.seen.way.push_back(value + noise.white * Normal(random) + noise.drift * drifted);
+  }
+  if (life.met == 0) life.met = static_cast<int>(life.seen.cycle.size()) + 1;
+  // From the mean of the first cycles on, as a campaign reads it.
+  double first = 0.0;
+  constexpr std::size_t kFirst = 5;
+  for (std::size_t i = 0; i < kFirst; ++i) first += life.seen.way[i] / static_cast<double>(kFirst);
+  for (double& way : life.seen.way) way = (way - first) / (1.0 - first);
+  return life;
 }
 
 }  // namespace
@@ -159,47 +208,45 @@ const char* NameOf(LifeLaw law) {
 }
 
 SimulatedLife DrawLife(LifeLaw law, Random& random) {
-  constexpr std::size_t kFewestSteps = 30;
-  const auto step_met = [](const Course& course) {
-    return static_cast<std::size_t>(
-        std::ranges::find_if(course.value, [&](double value) { return value >= course.limit; }) -
-        course.value.begin());
-  };
-  Course course = Draw(law, random);
-  while (step_met(course) < kFewestSteps || step_met(course) == course.value.size())
-    course = Draw(law, random);
+  Course course = Draw(law, random, random);
+  while (!IsUsable(course)) course = Draw(law, random, random);
+  const double cycles = std::floor(LogUniform(60.0, 1500.0, random));
+  const Noise noise = DrawNoise(random);
+  return LifeOf(course, static_cast<double>(StepMet(course)) / cycles, noise, random);
+}
 
-  // As many cycles as drawn, from steps as fine as the law was solved.
-  const int cycles = static_cast<int>(LogUniform(60.0, 1500.0, random));
-  const double steps_a_cycle = static_cast<double>(step_met(course)) / cycles;
-  const double white = LogUniform(0.003, 0.05, random);
-  const double drift = LogUniform(0.001, 0.02, random);
-  const double memory = Uniform(0.5, 0.97, random);
-  SimulatedLife life;
-  double drifted = 0.0;
-  for (int cycle = 1;; ++cycle) {
-    const double step = steps_a_cycle * (cycle - 1);
-    const auto before = static_cast<std::size_t>(step);
-    if (before + 1 >= course.value.size()) break;
-    const double part = step - static_cast<double>(before);
-    const double value =
-        (course.value[before] + part * (course.value[before + 1] - course.value[before])) / course.limit;
-    if (value >= 1.0 && life.met == 0) life.met = cycle;
-    drifted = memory * drifted + std::sqrt(1.0 - memory * memory) * Normal(random);
-    life.seen.cycle.push_back(cycle);
-    life.seen.way.push_back(value + white * Normal(random) + drift * drifted);
+SimulatedPopulation DrawPopulation(LifeLaw law, int units, Random& random) {
+  constexpr int kForTruth = 1001;
+  const std::uint64_t seed = random();
+  std::uint64_t attempt = 0;
+  const auto draw = [&] {
+    Random of_law(seed + attempt);
+    return Draw(law, of_law, random);
+  };
+  while (!IsUsable(draw())) ++attempt;
+  SimulatedPopulation population;
+  population.log_deviation = Uniform(0.05, 0.5, random);
+  const double cycles = LogUniform(60.0, 1500.0, random);
+  const double steps_a_cycle = static_cast<double>(StepMet(draw())) / cycles;
+  const Noise noise = DrawNoise(random);
+  for (int i = 0; i < kForTruth; ++i) {
+    const double met = law == LifeLaw::kGammaProcess || i == 0 ? static_cast<double>(StepMet(draw()))
+                                                               : cycles * steps_a_cycle;
+    population.lives.push_back(met / steps_a_cycle * std::exp(population.log_deviation * Normal(random)));
   }
-  if (life.met == 0) life.met = static_cast<int>(life.seen.cycle.size()) + 1;
-  // From the mean of the first cycles on, as a campaign reads it.
-  double first = 0.0;
-  constexpr std::size_t kFirst = 5;
-  for (std::size_t i = 0; i < kFirst; ++i) first += life.seen.way[i] / static_cast<double>(kFirst);
-  for (double& way : life.seen.way) way = (way - first) / (1.0 - first);
-  return life;
+  std::ranges::sort(population.lives);
+  for (int i = 0; i < units; ++i)
+    population.units.push_back(
+        LifeOf(draw(), steps_a_cycle * std::exp(population.log_deviation * Normal(random)), noise, random));
+  return population;
 }
 
 DegradationPath SeenTo(const SimulatedLife& life, double share) {
-  const auto count = static_cast<std::ptrdiff_t>(share * life.met);
+  return SeenUntil(life, static_cast<int>(share * life.met));
+}
+
+DegradationPath SeenUntil(const SimulatedLife& life, int cycle) {
+  const auto count = std::min(static_cast<std::ptrdiff_t>(cycle), std::ssize(life.seen.cycle));
   return {{life.seen.cycle.begin(), life.seen.cycle.begin() + count},
           {life.seen.way.begin(), life.seen.way.begin() + count}};
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <random>
+#include <vector>
 
 #include "analysis/reliability/degradation_path.h"
 
@@ -31,5 +32,14 @@ SimulatedLife DrawLife(LifeLaw law, std::mt19937_64& random);
 
 /// The first `share` of the life.
 DegradationPath SeenTo(const SimulatedLife& life, double share);
+DegradationPath SeenUntil(const SimulatedLife& life, int cycle);
+
+/// Units of one law whose pace is lognormal; those of the gamma process have steps of their own beside.
+struct SimulatedPopulation {
+  double log_deviation{};            // of the pace, 0.05 to 0.5
+  std::vector<double> lives;         // cycles of 1001 such units, in order: the truth
+  std::vector<SimulatedLife> units;  // those on the bench
+};
+SimulatedPopulation DrawPopulation(LifeLaw law, int units, std::mt19937_64& random);
 
 }  // namespace strainwave::analysis::reliability

@@ -3,6 +3,7 @@
 // and standardised bounds; and how long a fit of many units with all its bounds takes.
 //   life_benchmark coverage [SAMPLES]
 //   life_benchmark forecast [LIVES]   when simulated units meet their limit, seen to shares of their lives
+//   life_benchmark population [POPULATIONS]   the life of others like some units seen to a share of it
 //   life_benchmark fit TIMES    one line a unit: TIME STATUS, status 1 for a failure
 #include <chrono>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/reliability/degradation.h"
 #include "analysis/reliability/few_failures.h"
 #include "analysis/reliability/limit_forecast.h"
 #include "analysis/reliability/weibull_fit.h"
@@ -141,6 +143,50 @@ int Forecasts(int lives) {
   return 0;
 }
 
+// Units of one law on as many benches, all for a share of the median life.
+void PopulationRow(LifeLaw law, int units, double share, int populations) {
+  std::mt19937_64 random(5);
+  Tally b10, b50;
+  int none = 0;
+  std::vector<double> widths, errors;
+  for (int i = 0; i < populations; ++i) {
+    const SimulatedPopulation population = DrawPopulation(law, units, random);
+    const std::vector<double>& lives = population.lives;
+    std::vector<DegradationPath> seen;
+    for (const SimulatedLife& unit : population.units)
+      seen.push_back(SeenUntil(unit, std::max(static_cast<int>(share * lives[lives.size() / 2]), 8)));
+    try {
+      const DegradationLife life = LifeFromDegradation(seen, {0.1, 0.5}, 0.9);
+      b10.Take(life.quantiles[0].interval, lives[lives.size() / 10]);
+      b50.Take(life.quantiles[1].interval, lives[lives.size() / 2]);
+      const auto& [low, high] = life.quantiles[0].interval;
+      widths.push_back(std::log(high / low));
+      errors.push_back(std::abs(std::log(life.quantiles[0].value / lives[lives.size() / 10])));
+    } catch (const NoEstimate&) {
+      ++none;
+    }
+  }
+  std::sort(widths.begin(), widths.end());
+  std::sort(errors.begin(), errors.end());
+  const auto n = static_cast<double>(widths.size());
+  std::printf("%-30s %5d %4.0f %6.1f %7.1f %6.1f %7.1f %8.2f %8.3f %5d\n", NameOf(law), units, 100.0 * share,
+              100.0 * b10.held / n, 100.0 * b10.below / n, 100.0 * b50.held / n, 100.0 * b50.below / n,
+              std::exp(widths[widths.size() / 2]), errors[errors.size() / 2], none);
+}
+
+int Populations(int populations) {
+  std::printf("90 %% intervals of %d populations a row\n%-30s %5s %4s %6s %7s %6s %7s %8s %8s %5s\n",
+              populations, "law", "units", "at %", "B10 %", "below %", "B50 %", "below %", "width", "error",
+              "none");
+  for (const int units : {3, 6}) {
+    for (const double share : {0.3, 0.6, 0.9}) {
+      for (const LifeLaw law : kChosenOn) PopulationRow(law, units, share, populations);
+      for (const LifeLaw law : kFiguresOnly) PopulationRow(law, units, share, populations);
+    }
+  }
+  return 0;
+}
+
 int Fit(const char* file) {
   std::ifstream in(file);
   std::vector<Lifetime> lives;
@@ -165,7 +211,9 @@ int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "coverage") return Coverage(argc > 2 ? std::atoi(argv[2]) : 10000);
   if (what == "forecast") return Forecasts(argc > 2 ? std::atoi(argv[2]) : 200);
+  if (what == "population") return Populations(argc > 2 ? std::atoi(argv[2]) : 100);
   if (what == "fit" && argc > 2) return Fit(argv[2]);
-  std::fputs("life_benchmark coverage [SAMPLES] | forecast [LIVES] | fit TIMES\n", stderr);
+  std::fputs("life_benchmark coverage [SAMPLES] | forecast [LIVES] | population [POPULATIONS] | fit TIMES\n",
+             stderr);
   return 2;
 }
