@@ -200,6 +200,8 @@ DegradationLife LifeFromDegradation(std::span<const DegradationPath> paths,
   double most = -kNever;
   for (const Weighed& point : points) most = std::max(most, point.log_weight);
   for (Weighed& point : points) point.log_weight -= most;
+  constexpr double kNoWeight = -25.0;  // e^−25 of half a million points is less than 1e-5 of the whole
+  std::erase_if(points, [](const Weighed& point) { return point.log_weight < kNoWeight; });
 
   life.log_deviation = QuantileOf(points, level, [](const Weighed& point) { return point.deviation; });
   for (const double share : shares_failed) {

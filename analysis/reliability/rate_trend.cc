@@ -176,18 +176,39 @@ double InflationBy(const VectorXd& residuals) {
   return (1.0 + r) / (1.0 - r);
 }
 
-// Steps of ln(cycle) from now on: fine while the life doubles, coarse to ten thousand times what was seen.
-std::array<double, kFutureSteps> LaterLogs() {
+// One step of the future, of u = ln(cycle).
+struct FutureStep {
+  double du{};
+  double before{};  // cycles, as multiples of the last, at its ends
+  double after{};
+  double growth{};           // of the exponent
+  double exponent_wander{};  // standard deviations
+  double rate_wander{};
+};
+
+// Fine while the life doubles, coarse to ten thousand times what was seen.
+std::array<FutureStep, kFutureSteps> FutureStepsOf() {
   constexpr double kFine = 0.025;
   constexpr double kFineEnd = 1.5;
   constexpr int kHalf = kFutureSteps / 2;
-  std::array<double, kFutureSteps> later{};
-  for (int i = 1; i <= kHalf; ++i) {
-    later[static_cast<std::size_t>(i - 1)] = kFine * i;
-    later[static_cast<std::size_t>(kHalf + i - 1)] = kFineEnd + i * (std::log(1e4) - kFineEnd) / kHalf;
+  std::array<FutureStep, kFutureSteps> steps{};
+  double u = 0.0;
+  for (int i = 0; i < 2 * kHalf; ++i) {
+    const double next =
+        i < kHalf ? kFine * (i + 1) : kFineEnd + (i + 1 - kHalf) * (std::log(1e4) - kFineEnd) / kHalf;
+    const double du = next - u;
+    steps[static_cast<std::size_t>(i)] = {du,
+                                          std::exp(u),
+                                          std::exp(next),
+                                          kExponentGrowth * du,
+                                          kExponentWander * std::sqrt(du),
+                                          kRateWander * std::sqrt(du)};
+    u = next;
   }
-  return later;
+  return steps;
 }
+
+double RateOf(double log_rate) { return std::exp(std::clamp(log_rate, -kLargestLog, kLargestLog)); }
 
 }  // namespace
 
@@ -238,27 +259,24 @@ RateNow RateTrend::Draw(boost::random::normal_distribution<double>& normal, std:
 }
 
 double CrossingOf(const RateNow& now, const std::function<WanderStep(std::size_t step)>& wander) {
-  static const std::array kLater = LaterLogs();
+  static const std::array kFuture = FutureStepsOf();
   if (now.way >= 1.0) return 1.0;
   double way = now.way;
   double log_rate = now.log_rate;
+  double rate = RateOf(log_rate);
   double exponent = now.exponent;
-  double u = 0.0;
-  for (std::size_t i = 0; i < kLater.size(); ++i) {
-    const double next = kLater[i];
-    const double du = next - u;
-    const WanderStep step = wander(i);
-    const double bend = kExponentGrowth * du + kExponentWander * std::sqrt(du) * step.exponent;
-    const double log_next = log_rate + (exponent + 0.5 * bend) * du + kRateWander * std::sqrt(du) * step.rate;
-    const double cycles = std::exp(next) - std::exp(u);
-    const double added = 0.5 * cycles *
-                         (std::exp(std::clamp(log_rate, -kLargestLog, kLargestLog)) +
-                          std::exp(std::clamp(log_next, -kLargestLog, kLargestLog)));
-    if (way + added >= 1.0) return std::exp(u) + cycles * (1.0 - way) / added;
+  for (std::size_t i = 0; i < kFuture.size(); ++i) {
+    const FutureStep& step = kFuture[i];
+    const WanderStep random = wander(i);
+    const double bend = step.growth + step.exponent_wander * random.exponent;
+    log_rate += (exponent + 0.5 * bend) * step.du + step.rate_wander * random.rate;
+    const double next_rate = RateOf(log_rate);
+    const double cycles = step.after - step.before;
+    const double added = 0.5 * cycles * (rate + next_rate);
+    if (way + added >= 1.0) return step.before + cycles * (1.0 - way) / added;
     way += added;
     exponent += bend;
-    log_rate = log_next;
-    u = next;
+    rate = next_rate;
   }
   return kNever;
 }
