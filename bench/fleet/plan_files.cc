@@ -19,12 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Its file holds the blank test: the bench, not a gear.
+constexpr int kPreparation = 0;
+
 std::vector<std::string> CyclesOf(const CampaignFolder& campaign) {
   std::set<std::string> files;
   if (fs::is_directory(campaign.Cycles())) {
     for (const auto& entry : fs::directory_iterator(campaign.Cycles()))
-      if (entry.path().extension() == ".h5" && !entry.path().filename().string().starts_with('.'))
-        files.insert(entry.path().string());
+      if (const fs::path& file = entry.path(); file.extension() == ".h5" &&
+                                               !file.filename().string().starts_with('.') &&
+                                               file != campaign.CycleFile(kPreparation))
+        files.insert(file.string());
   }
   if (files.empty())
     Refuse(campaign.root, "has no complete cycle yet", "one at least; strainwave status shows how far it is");
