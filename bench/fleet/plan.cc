@@ -27,13 +27,13 @@ constexpr int kPlanFormat = 1;
 constexpr const char* kFormatKey = "fleet_plan";
 constexpr std::size_t kMostShardsUnasked = 64;
 
-PlanJson JsonOf(const PlannedFile& file) {
+PlanJson PlannedFileJson(const PlannedFile& file) {
   return {{"path", file.path}, {"bytes", file.bytes}, {"sha256", file.sha256}};
 }
 
-PlanJson JsonOf(const std::vector<PlannedFile>& files) {
+PlanJson PlannedFilesJson(const std::vector<PlannedFile>& files) {
   PlanJson list = PlanJson::array();
-  for (const PlannedFile& file : files) list.push_back(JsonOf(file));
+  for (const PlannedFile& file : files) list.push_back(PlannedFileJson(file));
   return list;
 }
 
@@ -69,13 +69,13 @@ void DealOut(FleetPlan& plan) {
   for (std::size_t rank = 0; rank < order.size(); ++rank) plan.inputs[order[rank]].shard = rank % plan.shards;
 }
 
-PlanJson JsonOf(const FleetPlan& plan) {
+PlanJson FleetPlanJson(const FleetPlan& plan) {
   PlanJson inputs = PlanJson::array();
   for (const PlannedInput& input : plan.inputs) {
-    PlanJson json = JsonOf(input.file);
+    PlanJson json = PlannedFileJson(input.file);
     json["shard"] = input.shard;
     json["key"] = input.key;
-    if (!input.beside.empty()) json["beside"] = JsonOf(input.beside);
+    if (!input.beside.empty()) json["beside"] = PlannedFilesJson(input.beside);
     inputs.push_back(std::move(json));
   }
   PlanJson json{{kFormatKey, kPlanFormat},
@@ -83,7 +83,7 @@ PlanJson JsonOf(const FleetPlan& plan) {
                 {"program_sha256", plan.program.sha256},
                 {"command", plan.command},
                 {"options", plan.options},
-                {"option_files", JsonOf(plan.option_files)},
+                {"option_files", PlannedFilesJson(plan.option_files)},
                 {"working_folder", plan.working_folder},
                 {"shards", plan.shards},
                 {"inputs", std::move(inputs)}};
@@ -148,7 +148,7 @@ FleetPlan MakePlan(const PlanRequest& request, const FleetProgram& program) {
 void WritePlan(const PlanFolder& folder, const FleetPlan& plan) {
   for (const auto& inside : {folder.Results(), folder.Failures(), folder.Shards(), folder.Logs()})
     daq::MakeFolders(inside);
-  daq::WriteFileAtomically(folder.Plan(), JsonOf(plan).dump(1) + "\n");
+  daq::WriteFileAtomically(folder.Plan(), FleetPlanJson(plan).dump(1) + "\n");
 }
 
 bool HasPlan(const PlanFolder& folder) { return std::filesystem::exists(folder.Plan()); }
@@ -181,7 +181,7 @@ void DemandSamePlan(const PlanFolder& folder, const FleetPlan& there, const Flee
     if (there.inputs[i].file.path == asked.inputs[i].file.path)
       DemandUnchanged(there.inputs[i].file, asked.inputs[i].file);
   }
-  if (JsonOf(there) == JsonOf(asked)) return;
+  if (FleetPlanJson(there) == FleetPlanJson(asked)) return;
   Refuse(
       folder.Plan(), fmt::format("is there already, of something else: {}", CallOf(there)),
       "a new folder; or the same records, options, shards and working folder as then, which strainwave fleet "
