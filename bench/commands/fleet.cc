@@ -171,10 +171,7 @@ void AddSubmit(CLI::App& fleet, Action& action) {
       "Make a plan of a command over many records, and submit it as a job array of Slurm, or compute it "
       "here. "
       "Where the plan is there already, what has no result yet is submitted again.\n"
-      "Example: strainwave fleet submit recompute loop.csv --out plan --local\n"
-      "         strainwave fleet submit recompute campaigns/first --out plan --partition short -- --method "
-      "backbone\n"
-      "         strainwave fleet submit --out plan");
+      "Example: strainwave fleet submit recompute loop.csv --out plan --local -- --method backbone");
   auto options = std::make_shared<SubmitOptions>();
   command->add_option("COMMAND", options->words,
                       "recompute, features or diagnose, then records, folders of records and campaigns (each "

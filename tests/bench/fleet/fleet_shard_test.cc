@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -71,6 +72,24 @@ TEST(FleetShard, LeavesNoTraceOfHowItWasCut) {
   ComputeAll(folder, "one");
   ComputeAll(folder, "many", 3);
   EXPECT_EQ(CollectedText(folder, "one"), CollectedText(folder, "many"));
+}
+
+TEST(FleetShard, MayRunTwiceAtOnce) {
+  const FleetFolder folder;
+  const auto records = Records({"a", "b", "c", "refused", "d", "e", "f", "g", "h"});
+  const FleetPlan plan = folder.Planned("twice", records, 1);
+  folder.Planned("once", records, 1);
+  ShardEnd other_end;
+  {
+    const std::jthread other([&] { other_end = RunShard(folder.At("twice"), plan, folder.program(), 0); });
+    const ShardEnd end = RunShard(folder.At("twice"), plan, folder.program(), 0);
+    EXPECT_EQ(end.kept + end.were_there, records.size());
+  }
+  EXPECT_EQ(other_end.kept + other_end.were_there, records.size());
+  ComputeAll(folder, "once");
+  EXPECT_EQ(CollectedText(folder, "twice"), CollectedText(folder, "once"));
+  for (const auto& [name, result] : ResultsOf(folder.At("twice")))
+    EXPECT_EQ(name.size(), 64U + 5U) << name << " is no result's name";
 }
 
 TEST(FleetShard, IsGoneOnWithAfterAKill) {
