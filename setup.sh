@@ -41,11 +41,12 @@ TEST_PACKAGES=(
   python3-pymodbus python3-serial-asyncio python3-aiosmtpd socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
   chromium nodejs libfuse3-dev
+  munge slurmctld slurmd slurm-client
 )
 # In Debian a package of its own; nodejs from elsewhere brings it along.
 command -v npm >/dev/null || TEST_PACKAGES+=(npm)
 # Of those, what would begin to serve as soon as it is installed, and at every start of the machine.
-SERVICES=(mosquitto)
+SERVICES=(mosquitto munge slurmctld slurmd)
 PROGRAMS=(strainwave strainwave-devices strainwave_manual strainwave_predictor predictor_example)
 
 fail() {

@@ -41,6 +41,7 @@ void AddHealth(CLI::App& app, Action& action);
 void AddFaults(CLI::App& app, Action& action);
 void AddLife(CLI::App& app, Action& action);
 void AddReport(CLI::App& app, Action& action);
+void AddFleet(CLI::App& app, Action& action);
 void AddFingerprint(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

@@ -102,6 +102,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddHealth(app, action);
   strainwave::bench::AddFaults(app, action);
   strainwave::bench::AddFingerprint(app, action);
+  strainwave::bench::AddFleet(app, action);
   std::ostringstream results;
   std::ostringstream words;
   int code = 0;

@@ -100,9 +100,10 @@ bool EndsWithin(pid_t child, std::chrono::milliseconds limit) {
 // Input and output pass through unnamed files rather than pipes: neither side can block the other, and a
 // program that dies early raises no SIGPIPE here.
 ChildEnd RunChild(std::vector<std::string> command, const std::string& input,
-                  std::optional<std::chrono::milliseconds> limit) {
+                  std::optional<std::chrono::milliseconds> limit, ChildOutputs outputs) {
   const File in = OpenScratch();
   const File out = OpenScratch();
+  const File apart = outputs == ChildOutputs::kApart ? OpenScratch() : nullptr;
   if (std::fwrite(input.data(), 1, input.size(), in.get()) != input.size() || std::fflush(in.get()) != 0)
     throw std::system_error(errno, std::generic_category(), "a program's input could not be written");
   // The child shares the offset of the file.
@@ -111,7 +112,7 @@ ChildEnd RunChild(std::vector<std::string> command, const std::string& input,
   SpawnActions actions;
   actions.Redirect(fileno(in.get()), STDIN_FILENO);
   actions.Redirect(fileno(out.get()), STDOUT_FILENO);
-  actions.Redirect(fileno(out.get()), STDERR_FILENO);
+  actions.Redirect(fileno(apart ? apart.get() : out.get()), STDERR_FILENO);
   std::vector<char*> arguments;
   for (std::string& word : command) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -130,6 +131,7 @@ ChildEnd RunChild(std::vector<std::string> command, const std::string& input,
   end.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   end.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
   end.said = ReadAll(out.get());
+  if (apart) end.words = ReadAll(apart.get());
   return end;
 }
 

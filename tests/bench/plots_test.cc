@@ -122,6 +122,10 @@ TEST(RunChild, TellsHowItEnded) {
   EXPECT_EQ(failed.signal, 0);
   EXPECT_EQ(failed.said, "given wrong");
   EXPECT_EQ(RunChild({"sh", "-c", "kill -9 $$"}, "").signal, SIGKILL);
+  const ChildEnd apart =
+      RunChild({"sh", "-c", "echo result; echo wrong >&2"}, "", std::nullopt, ChildOutputs::kApart);
+  EXPECT_EQ(apart.said, "result");
+  EXPECT_EQ(apart.words, "wrong");
   EXPECT_EQ(RunChild({"no-such-program-of-strainwave"}, "").error, ENOENT);
 }
 

@@ -41,7 +41,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"records"},
                                                          {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},
-                                                         {"health", "faults", "fingerprint"},
+                                                         {"health", "faults", "fingerprint", "fleet"},
                                                          {"monitor", "page"},
                                                          {"notices", "report"},
                                                          {"predictor_api"},
