@@ -59,13 +59,15 @@ CampaignQuery ParseCampaignQuery(const std::string& text) {
 std::vector<FoundCampaign> FindCampaigns(Server& server, const CampaignQuery& query, int most) {
   // From the end of each: no cycle is looked at but the last.
   const ServerRows rows = server.Run(
-      fmt::format("SELECT c.campaign_id, c.bench_id, c.month, b.name, c.specimen, c.schedule_name, c.identity, "
-                  "c.started_utc, coalesce(l.cycle, 0), c.caught_up FROM strainwave.campaigns c JOIN "
-                  "strainwave.benches b USING (bench_id) LEFT JOIN LATERAL (SELECT y.cycle FROM strainwave.cycles y "
-                  "WHERE y.month = c.month AND y.bench_id = c.bench_id AND y.campaign_id = c.campaign_id AND y.outcome "
-                  "= 'complete' ORDER BY y.cycle DESC LIMIT 1) l ON true WHERE {} ORDER BY b.name, c.started_utc, "
-                  "c.campaign_id LIMIT {}",
-                  query.condition, most),
+      fmt::format(
+          "SELECT c.campaign_id, c.bench_id, c.month, b.name, c.specimen, c.schedule_name, c.identity, "
+          "c.started_utc, coalesce(l.cycle, 0), c.caught_up FROM strainwave.campaigns c JOIN "
+          "strainwave.benches b USING (bench_id) LEFT JOIN LATERAL (SELECT y.cycle FROM strainwave.cycles y "
+          "WHERE y.month = c.month AND y.bench_id = c.bench_id AND y.campaign_id = c.campaign_id AND "
+          "y.outcome "
+          "= 'complete' ORDER BY y.cycle DESC LIMIT 1) l ON true WHERE {} ORDER BY b.name, c.started_utc, "
+          "c.campaign_id LIMIT {}",
+          query.condition, most),
       query.values);
   std::vector<FoundCampaign> found;
   for (int i = 0; i < rows.count(); ++i) {

@@ -8,8 +8,8 @@
 
 namespace strainwave::bench {
 
-/// Campaigns are asked for by "bench=hall-* specimen=A1,A2 schedule=paper": all conditions hold, any of the values
-/// of one; '*' stands for anything, '?' for one character. Empty: all campaigns.
+/// Campaigns are asked for by "bench=hall-* specimen=A1,A2 schedule=paper": all conditions hold, any of the
+/// values of one; '*' stands for anything, '?' for one character. Empty: all campaigns.
 struct CampaignQuery {
   std::string condition;  // of SQL, over benches b and campaigns c, with $1, $2 and so on
   std::vector<ServerValue> values;
@@ -27,8 +27,8 @@ struct FoundCampaign {
   std::string schedule;
   std::string identity;
   std::string started_utc;
-  int complete{};     // cycles, at the server
-  bool caught_up{};   // nothing was left when it was last forwarded
+  int complete{};    // cycles, at the server
+  bool caught_up{};  // nothing was left when it was last forwarded
 
   /// "hall-3-0f12ab34": of a folder.
   std::string Name() const { return bench + '-' + identity.substr(0, 8); }

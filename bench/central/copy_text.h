@@ -9,8 +9,8 @@
 
 namespace strainwave::bench {
 
-/// Rows in the text format of PostgreSQL's COPY (PostgreSQL 15, "COPY", File Formats): columns apart by a tab,
-/// rows by a line feed, \N for NULL.
+/// Rows in the text format of PostgreSQL's COPY (PostgreSQL 15, "COPY", File Formats): columns apart by a
+/// tab, rows by a line feed, \N for NULL.
 class CopyText {
  public:
   CopyText& Text(std::string_view text);
@@ -41,8 +41,8 @@ std::string ServerNumber(std::optional<double> value);
 /// {"a","b"}, as PostgreSQL reads an array of texts; an empty one is NULL.
 std::string ServerArray(std::span<const std::string> texts);
 
-/// What PostgreSQL takes as text: UTF-8 without the character zero. A journal may hold any bytes; what is none
-/// becomes U+FFFD.
+/// What PostgreSQL takes as text: UTF-8 without the character zero. A journal may hold any bytes; what is
+/// none becomes U+FFFD.
 std::string ServerText(std::string_view text);
 
 }  // namespace strainwave::bench

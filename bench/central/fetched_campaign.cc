@@ -87,16 +87,19 @@ class Fetch {
       database.Execute(fmt::format("DELETE FROM {}", table));
     WriteCycles(database);
     WriteResults(database);
-    WriteRows(database, "alarms",
-              server_.Run(fmt::format("SELECT journal_row FROM strainwave.alarms {} ORDER BY number", kFetchOf), here_));
+    WriteRows(
+        database, "alarms",
+        server_.Run(fmt::format("SELECT journal_row FROM strainwave.alarms {} ORDER BY number", kFetchOf),
+                    here_));
     const auto of_table = [&](std::string_view table) {
       std::vector<ServerValue> values = here_;
       values.emplace_back(table);
-      WriteRows(database, table,
-                server_.Run(fmt::format("SELECT journal_row FROM strainwave.journal_rows {} AND journal_table = "
-                                        "$4::strainwave.journal_table ORDER BY number, key",
-                                        kFetchOf),
-                            values));
+      WriteRows(
+          database, table,
+          server_.Run(fmt::format("SELECT journal_row FROM strainwave.journal_rows {} AND journal_table = "
+                                  "$4::strainwave.journal_table ORDER BY number, key",
+                                  kFetchOf),
+                      values));
     };
     for (const std::string_view table : GrowingTables()) of_table(table);
     for (const std::string_view table : NamedTables()) of_table(table);
@@ -116,8 +119,9 @@ class Fetch {
 
   int Records(const RecordStore& store, const CampaignFolder& folder, std::vector<std::string>& warnings) {
     const ServerRows rows = server_.Run(
-        fmt::format("SELECT DISTINCT ON (path) path, sha256 FROM strainwave.records {} ORDER BY path, arrived DESC",
-                    kFetchOf),
+        fmt::format(
+            "SELECT DISTINCT ON (path) path, sha256 FROM strainwave.records {} ORDER BY path, arrived DESC",
+            kFetchOf),
         here_);
     int records = 0;
     for (int i = 0; i < rows.count(); ++i) {
@@ -140,29 +144,32 @@ class Fetch {
   }
 
   void WriteCycles(const Database& database) {
-    const ServerRows rows = server_.Run(
-        fmt::format("SELECT cycle, outcome, started_s, ended_s, records_sha256, phases FROM strainwave.cycles {} ORDER BY "
-                    "cycle",
-                    kFetchOf),
-        here_);
+    const ServerRows rows =
+        server_.Run(fmt::format("SELECT cycle, outcome, started_s, ended_s, records_sha256, phases FROM "
+                                "strainwave.cycles {} ORDER BY "
+                                "cycle",
+                                kFetchOf),
+                    here_);
     for (int i = 0; i < rows.count(); ++i) {
       Statement insert = database.Prepare(
           "INSERT INTO cycles(cycle, outcome, started_s, ended_s, records_sha256) VALUES(?, ?, ?, ?, ?)");
       insert.Bind(rows.Integer(i, 0)).Bind(rows.View(i, 1)).Bind(rows.Real(i, 2));
       BindReal(insert, rows, i, 3);
       insert.Bind(rows.View(i, 4)).Run();
-      for (const nlohmann::json& phase : ParseUnorderedJson(rows.View(i, 5))) InsertRow(database, "phases", phase);
+      for (const nlohmann::json& phase : ParseUnorderedJson(rows.View(i, 5)))
+        InsertRow(database, "phases", phase);
     }
   }
 
   // A row a result: the server takes the arrays apart.
   void WriteResults(const Database& database) {
     const ServerRows rows = server_.Run(
-        fmt::format("SELECT r.cycle, r.repeat, u.quantity, u.value, u.standard_error, coalesce(r.flags[u.place], '') "
-                    "FROM (SELECT * FROM strainwave.result_rows {}) r JOIN strainwave.quantity_sets q USING "
-                    "(quantity_set) CROSS JOIN LATERAL unnest(q.names, r.result_values, r.standard_errors) WITH "
-                    "ORDINALITY AS u(quantity, value, standard_error, place)",
-                    kFetchOf),
+        fmt::format(
+            "SELECT r.cycle, r.repeat, u.quantity, u.value, u.standard_error, coalesce(r.flags[u.place], '') "
+            "FROM (SELECT * FROM strainwave.result_rows {}) r JOIN strainwave.quantity_sets q USING "
+            "(quantity_set) CROSS JOIN LATERAL unnest(q.names, r.result_values, r.standard_errors) WITH "
+            "ORDINALITY AS u(quantity, value, standard_error, place)",
+            kFetchOf),
         here_);
     Statement insert = database.Prepare("INSERT INTO results VALUES(?, ?, ?, ?, ?, ?)");
     for (int i = 0; i < rows.count(); ++i) {
@@ -182,7 +189,8 @@ class Fetch {
 FetchedCampaign FetchCampaign(Server& server, const FoundCampaign& campaign, const fs::path& into,
                               const RecordStore* store) {
   FetchedCampaign fetched{into / campaign.Name(), campaign.complete, 0, {}};
-  if (fs::exists(fetched.folder)) Refuse(fetched.folder, "is there already", "another folder, or none of that name");
+  if (fs::exists(fetched.folder))
+    Refuse(fetched.folder, "is there already", "another folder, or none of that name");
   daq::MakeFolders(into);
   PartialFolder partial(into / ("." + campaign.Name() + ".partial"));
   const CampaignFolder folder{partial.path()};
@@ -198,9 +206,10 @@ FetchedCampaign FetchCampaign(Server& server, const FoundCampaign& campaign, con
       if (sha256.empty()) continue;
       const auto bytes = fetch.Input(sha256);
       if (!bytes) {
-        throw BenchError(ExitCode::kWrongInput,
-                         fmt::format("{}: error: the server does not have its {} (expected that of a whole forwarding)",
-                                     campaign.Name(), frozen.file.filename().string()));
+        throw BenchError(
+            ExitCode::kWrongInput,
+            fmt::format("{}: error: the server does not have its {} (expected that of a whole forwarding)",
+                        campaign.Name(), frozen.file.filename().string()));
       }
       daq::WriteFileAtomically(frozen.file, *bytes);
     }

@@ -72,9 +72,9 @@ std::string PhasesOf(const Database& database, int cycle) {
 }
 
 void ReadCycles(const Database& database, int after, int most, JournalBatch& batch) {
-  Statement statement = database.Prepare(
-      fmt::format("SELECT cycle, outcome, started_s, ended_s, {} FROM cycles WHERE cycle > ? ORDER BY cycle LIMIT ?",
-                  HasDigests(database) ? "records_sha256" : "''"));
+  Statement statement = database.Prepare(fmt::format(
+      "SELECT cycle, outcome, started_s, ended_s, {} FROM cycles WHERE cycle > ? ORDER BY cycle LIMIT ?",
+      HasDigests(database) ? "records_sha256" : "''"));
   statement.Bind(after).Bind(most + 1);
   while (statement.Step()) {
     if (static_cast<int>(batch.cycles.size()) == most) {
@@ -82,15 +82,16 @@ void ReadCycles(const Database& database, int after, int most, JournalBatch& bat
       return;
     }
     const int cycle = static_cast<int>(statement.Integer(0));
-    batch.cycles.push_back({cycle, statement.Text(1), statement.Real(2), RealAt(statement, 3), statement.Text(4),
-                            PhasesOf(database, cycle)});
+    batch.cycles.push_back({cycle, statement.Text(1), statement.Real(2), RealAt(statement, 3),
+                            statement.Text(4), PhasesOf(database, cycle)});
   }
 }
 
 // Of complete cycles: those of one under way may still be taken back.
 void ReadResults(const Database& database, JournalBatch& batch) {
   Statement statement = database.Prepare(
-      "SELECT repeat, quantity, value, standard_error, flag FROM results WHERE cycle = ? ORDER BY repeat, quantity");
+      "SELECT repeat, quantity, value, standard_error, flag FROM results WHERE cycle = ? ORDER BY repeat, "
+      "quantity");
   for (const SentCycle& cycle : batch.cycles) {
     if (cycle.outcome != "complete") continue;
     statement.Reset();
@@ -166,7 +167,8 @@ JournalBatch ReadBatch(const Journal& journal, const JournalMarks& marks, int mo
   ReadResults(database, batch);
   for (const std::string_view table : kGrowing) {
     const auto mark = marks.table.find(std::string(table));
-    ReadGrowing(database, table, mark == marks.table.end() ? 0 : mark->second, most_cycles * kRowsPerCycle, batch);
+    ReadGrowing(database, table, mark == marks.table.end() ? 0 : mark->second, most_cycles * kRowsPerCycle,
+                batch);
   }
   for (const std::string_view table : kNamed) ReadNamed(database, table, batch);
   ReadAlarms(journal, batch);

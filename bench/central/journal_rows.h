@@ -70,9 +70,9 @@ std::span<const std::string_view> NamedTables();
 /// Columns of a table that this program's journals have; zero where the journal lacks it.
 int ColumnsOf(const Database& database, std::string_view table);
 
-/// What comes after the marks, at most about so many rows of each kind: what has changed of alarms, properties,
-/// calibrations and the cycle under way is always in it. Reads one moment of the journal and lets go of it, so
-/// that a run beside it is not kept from tidying its write-ahead log. @throws DatabaseError.
+/// What comes after the marks, at most about so many rows of each kind: what has changed of alarms,
+/// properties, calibrations and the cycle under way is always in it. Reads one moment of the journal and lets
+/// go of it, so that a run beside it is not kept from tidying its write-ahead log. @throws DatabaseError.
 JournalBatch ReadBatch(const Journal& journal, const JournalMarks& marks, int most_cycles);
 
 }  // namespace strainwave::bench

@@ -36,7 +36,8 @@ void SyncFile(const fs::path& file) {
 
 // Aside, looked at, synced, renamed; gone again where it does not get that far.
 bool CopyWhole(const fs::path& from, const fs::path& to, const std::string& sha256) {
-  const fs::path partial = to.parent_path() / fmt::format(".{}.{}.partial", to.filename().string(), ::getpid());
+  const fs::path partial =
+      to.parent_path() / fmt::format(".{}.{}.partial", to.filename().string(), ::getpid());
   try {
     fs::copy_file(from, partial, fs::copy_options::overwrite_existing);
     if (Sha256OfFile(partial) != sha256) {
@@ -58,7 +59,9 @@ bool CopyWhole(const fs::path& from, const fs::path& to, const std::string& sha2
 
 RecordStore::RecordStore(fs::path folder) : folder_(std::move(folder)) { daq::MakeFolders(folder_); }
 
-fs::path RecordStore::PathOf(const std::string& sha256) const { return folder_ / sha256.substr(0, 2) / sha256; }
+fs::path RecordStore::PathOf(const std::string& sha256) const {
+  return folder_ / sha256.substr(0, 2) / sha256;
+}
 
 bool RecordStore::Keep(const fs::path& file, const std::string& sha256) const {
   if (!IsDigest(sha256)) return false;

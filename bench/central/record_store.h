@@ -6,8 +6,8 @@
 
 namespace strainwave::bench {
 
-/// A folder of files by what they hold: `ab/abcdef…`, the SHA-256 in hexadecimal. The same bytes are kept once,
-/// whichever bench or campaign they come from; a file is there whole or not at all, and never changed.
+/// A folder of files by what they hold: `ab/abcdef…`, the SHA-256 in hexadecimal. The same bytes are kept
+/// once, whichever bench or campaign they come from; a file is there whole or not at all, and never changed.
 class RecordStore {
  public:
   /// Makes the folder where it is missing. @throws std::system_error, daq::DataFileError.

@@ -87,7 +87,8 @@ std::string MakeRole(Server& server, const RoleOrder& order) {
   if (order.new_machine) {
     const ServerRows changed =
         server.Run("UPDATE strainwave.benches SET machine = NULL WHERE name = $1 RETURNING 1", {order.name});
-    if (changed.count() == 0) Refuse("NAME", fmt::format("there is no bench {}", order.name), "one that is there");
+    if (changed.count() == 0)
+      Refuse("NAME", fmt::format("there is no bench {}", order.name), "one that is there");
     if (!order.new_password) {
       transaction.Commit();
       return fmt::format("bench {}: the next machine that forwards for it is taken for its own", order.name);
@@ -95,7 +96,8 @@ std::string MakeRole(Server& server, const RoleOrder& order) {
   }
   if (there && !order.new_password)
     Refuse("NAME", fmt::format("there is a role {} already", role), "another name, or --new-password");
-  if (!there && order.new_password) Refuse("NAME", fmt::format("there is no role {}", role), "one that is there");
+  if (!there && order.new_password)
+    Refuse("NAME", fmt::format("there is no role {}", role), "one that is there");
   const std::string password = HexOf(RandomBytes(kPassword_bytes));
   PasswordFile file(order.passfile, fmt::format("*:*:*:{}:{}\n", role, password));
   const std::string quoted = server.Identifier(role);

@@ -22,8 +22,8 @@ struct RoleOrder {
 /// "bench_NAME" or "reader_NAME".
 std::string RoleOf(RoleKind kind, const std::string& name);
 
-/// Makes the role with a random password, which goes into a file of libpq's own format for the machine that will
-/// use it; the server is told what SCRAM keeps of it. Both or none.
+/// Makes the role with a random password, which goes into a file of libpq's own format for the machine that
+/// will use it; the server is told what SCRAM keeps of it. Both or none.
 /// @return what was done, in words.
 /// @throws BenchError (exit code 2) for a bad or taken name, a file that is there; ServerError.
 std::string MakeRole(Server& server, const RoleOrder& order);

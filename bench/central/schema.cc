@@ -24,24 +24,26 @@ constexpr int kOldestServer = 150000;  // of views that ask with the rights of w
 int VersionOf(Server& server) {
   const ServerRows there = server.Run("SELECT to_regclass('strainwave.versions') IS NOT NULL");
   if (!there.Truth(0, 0)) return 0;
-  return static_cast<int>(server.Run("SELECT coalesce(max(version), 0) FROM strainwave.versions").Integer(0, 0));
+  return static_cast<int>(
+      server.Run("SELECT coalesce(max(version), 0) FROM strainwave.versions").Integer(0, 0));
 }
 
 [[noreturn]] void RefuseNewer(int version) {
   throw BenchError(
       ExitCode::kWrongInput,
-      fmt::format("error: the server's tables are of version {}, which is newer than this program (expected {} at "
-                  "most: a newer strainwave on this machine)",
-                  version, kSchemaVersion));
+      fmt::format(
+          "error: the server's tables are of version {}, which is newer than this program (expected {} at "
+          "most: a newer strainwave on this machine)",
+          version, kSchemaVersion));
 }
 
 }  // namespace
 
 std::vector<int> Migrate(Server& server, int to) {
   if (server.version() < kOldestServer) {
-    throw BenchError(ExitCode::kWrongInput,
-                     fmt::format("error: the server is PostgreSQL {} (expected 15 or newer)",
-                                 server.version() / 10000));
+    throw BenchError(
+        ExitCode::kWrongInput,
+        fmt::format("error: the server is PostgreSQL {} (expected 15 or newer)", server.version() / 10000));
   }
   std::vector<int> made;
   while (true) {
@@ -52,7 +54,8 @@ std::vector<int> Migrate(Server& server, int to) {
     if (version >= to) return made;
     if (version == 0) {
       server.Execute(
-          "CREATE SCHEMA IF NOT EXISTS strainwave; CREATE TABLE strainwave.versions(version integer PRIMARY KEY, "
+          "CREATE SCHEMA IF NOT EXISTS strainwave; CREATE TABLE strainwave.versions(version integer PRIMARY "
+          "KEY, "
           "what text NOT NULL, made timestamptz NOT NULL DEFAULT now())");
     }
     const SchemaVersion& next = kVersions[version];
@@ -76,11 +79,12 @@ void DemandSchema(Server& server) {
   if (version < kSchemaVersion) {
     throw BenchError(
         ExitCode::kWrongInput,
-        version == 0 ? std::string("error: the server has no tables of strainwave that this role may use (expected "
-                                   "those of strainwave central migrate, and a role of add-bench or add-reader)")
-                     : fmt::format("error: the server's tables are of version {}, which is older than this program "
-                                   "(expected {}: strainwave central migrate)",
-                                   version, kSchemaVersion));
+        version == 0
+            ? std::string("error: the server has no tables of strainwave that this role may use (expected "
+                          "those of strainwave central migrate, and a role of add-bench or add-reader)")
+            : fmt::format("error: the server's tables are of version {}, which is older than this program "
+                          "(expected {}: strainwave central migrate)",
+                          version, kSchemaVersion));
   }
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Version 2: who may do what. A bench has a role of its own and sees and writes its own rows only; readers see all
-// and write nothing; whoever has made the tables may do everything.
+// Version 2: who may do what. A bench has a role of its own and sees and writes its own rows only; readers
+// see all and write nothing; whoever has made the tables may do everything.
 #include "bench/central/schema_versions.h"
 
 namespace strainwave::bench {
 
-// `arrived` is the server's stamp: nobody but the tables' owner gives it another value. What a bench may not do
-// by itself (to add a campaign, a month, a set of quantities, an input file) is done by functions, which run with
-// the rights of the tables' owner.
+// `arrived` is the server's stamp: nobody but the tables' owner gives it another value. What a bench may not
+// do by itself (to add a campaign, a month, a set of quantities, an input file) is done by functions, which
+// run with the rights of the tables' owner.
 const char* const kRightsOfVersion2 = R"sql(
 DO $$
 DECLARE wanted text;

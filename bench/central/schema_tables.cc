@@ -4,9 +4,10 @@
 
 namespace strainwave::bench {
 
-// The month of a campaign is that in which it first came to the server, by the server's clock, so that a bench's
-// wrong clock makes no partition of another century, and all rows of a campaign lie in one month's partitions.
-// A cycle's results are arrays: a seventh of the bytes of a row for each (docs/central.md#partitions).
+// The month of a campaign is that in which it first came to the server, by the server's clock, so that a
+// bench's wrong clock makes no partition of another century, and all rows of a campaign lie in one month's
+// partitions. A cycle's results are arrays: a seventh of the bytes of a row for each
+// (docs/central.md#partitions).
 const char* const kTablesOfVersion1 = R"sql(
 CREATE TABLE strainwave.benches(
   bench_id integer GENERATED ALWAYS AS IDENTITY PRIMARY KEY, name text NOT NULL UNIQUE, role name NOT NULL UNIQUE,

@@ -74,8 +74,8 @@ ServerError::ServerError(Kind kind, std::string sqlstate, const std::string& sen
       sqlstate_(std::move(sqlstate)) {}
 
 ServerError::Kind KindOfSqlstate(std::string_view sqlstate) {
-  // Connections, resources (a full disk is 53100), the operator's doing (57P01: going down), what the server's
-  // machine refuses, what lost a race, what a standby does not do, and what went wrong within.
+  // Connections, resources (a full disk is 53100), the operator's doing (57P01: going down), what the
+  // server's machine refuses, what lost a race, what a standby does not do, and what went wrong within.
   for (const std::string_view later : {"08", "53", "57", "58", "40", "55", "25006", "XX"}) {
     if (sqlstate.starts_with(later)) return ServerError::Kind::kAway;
   }
@@ -85,9 +85,7 @@ ServerError::Kind KindOfSqlstate(std::string_view sqlstate) {
 void ServerRows::Clear::operator()(pg_result* result) const { PQclear(result); }
 ServerRows::ServerRows(pg_result* result) : result_(result) {}
 int ServerRows::count() const { return PQntuples(result_.get()); }
-std::int64_t ServerRows::affected() const {
-  return std::strtoll(PQcmdTuples(result_.get()), nullptr, 10);
-}
+std::int64_t ServerRows::affected() const { return std::strtoll(PQcmdTuples(result_.get()), nullptr, 10); }
 bool ServerRows::IsNull(int row, int column) const { return PQgetisnull(result_.get(), row, column) != 0; }
 std::string_view ServerRows::View(int row, int column) const {
   return {PQgetvalue(result_.get(), row, column),
@@ -130,8 +128,9 @@ Server::Server(const std::string& conninfo, std::function<bool()> is_to_end)
     : shown_(ShownConninfo(conninfo)), is_to_end_(std::move(is_to_end)) {
   // What comes later wins: the user's words over the first three. tcp_user_timeout bounds connecting, too, so
   // that libpq goes on to the next of several hosts; its own connect_timeout holds for PQconnectdb alone.
-  const char* const keywords[] = {"fallback_application_name", "tcp_user_timeout", "keepalives_idle",
-                                  "dbname",                    "client_encoding",  nullptr};
+  const char* const keywords[] = {"fallback_application_name", "tcp_user_timeout",
+                                  "keepalives_idle",           "dbname",
+                                  "client_encoding",           nullptr};
   const char* const values[] = {"strainwave", "10000", "30", conninfo.c_str(), "UTF8", nullptr};
   connection_.reset(PQconnectStartParams(keywords, values, 1));
   if (!connection_) throw std::bad_alloc();
@@ -152,8 +151,7 @@ void Server::Connect() {
     const ConnectFailure failure = ReadConnectFailure(PQerrorMessage(connection_.get()));
     // 28: whom the server does not know; 3D000: no such database.
     const bool needs_password = PQconnectionNeedsPassword(connection_.get()) != 0;
-    const auto kind =
-        needs_password ? ServerError::Kind::kRefused : KindOfSqlstate(failure.sqlstate);
+    const auto kind = needs_password ? ServerError::Kind::kRefused : KindOfSqlstate(failure.sqlstate);
     throw ServerError(
         kind, failure.sqlstate,
         fmt::format("{}: error: {} (expected {})", shown_, failure.words,
@@ -163,7 +161,8 @@ void Server::Connect() {
                         : "a role and a database that the server knows, and the role's password"));
   }
   PQsetErrorVerbosity(connection_.get(), PQERRORS_DEFAULT);
-  PQsetNoticeProcessor(connection_.get(), [](void*, const char*) {}, nullptr);
+  PQsetNoticeProcessor(
+      connection_.get(), [](void*, const char*) {}, nullptr);
   if (PQsetnonblocking(connection_.get(), 1) != 0) Fail(nullptr);
 }
 
@@ -222,8 +221,10 @@ ServerRows Server::Answer() {
     const ExecStatusType status = PQresultStatus(result);
     if (status == PGRES_FATAL_ERROR || status == PGRES_BAD_RESPONSE) {
       if (!failed) failure = result;
-      if (!failed) failed.emplace(result);
-      else PQclear(result);
+      if (!failed)
+        failed.emplace(result);
+      else
+        PQclear(result);
     } else {
       last.emplace(result);
     }

@@ -9,6 +9,7 @@
 #include "bench/central/forward_loop.h"
 #include "bench/central/roles.h"
 #include "bench/central/schema.h"
+#include "bench/commands/central_commands.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/no_core.h"
 #include "bench/commands/output.h"
@@ -62,11 +63,12 @@ void AddAddRole(CLI::App& central, Action& action, RoleKind kind) {
   const bool is_bench = kind == RoleKind::kBench;
   CLI::App* command = central.add_subcommand(
       is_bench ? "add-bench" : "add-reader",
-      is_bench ? "Make the role of a bench, which sees and writes its own rows only, with a random password in a "
-                 "file for its machine.\n"
-                 "Example: strainwave central add-bench hall-3 --server service=lab"
-               : "Make a role that sees all and writes nothing, for the page, fetch, life and report.\n"
-                 "Example: strainwave central add-reader office --server service=lab");
+      is_bench
+          ? "Make the role of a bench, which sees and writes its own rows only, with a random password in a "
+            "file for its machine.\n"
+            "Example: strainwave central add-bench hall-3 --server service=lab"
+          : "Make a role that sees all and writes nothing, for the page, fetch, life and report.\n"
+            "Example: strainwave central add-reader office --server service=lab");
   auto options = std::make_shared<RoleOptions>();
   options->order.kind = kind;
   command->add_option("NAME", options->order.name, is_bench ? "of the bench" : "of the reader")->required();
@@ -97,8 +99,8 @@ int Forward(const ForwardOptions& options) {
   order.settings.utc_ms = UtcMilliseconds;
   // Nobody who reads the words, or does not, holds up the campaign's way to the server.
   const LiveOutput output(IsToEndCentral, LiveOutput::Results::kDropped);
-  const bool all = RunForward(order, IsToEndCentral,
-                              [](const std::string& line) { ToStderr("{} {}\n", UtcNow(), line); });
+  const bool all =
+      RunForward(order, IsToEndCentral, [](const std::string& line) { ToStderr("{} {}\n", UtcNow(), line); });
   return static_cast<int>(all ? ExitCode::kDone : ExitCode::kMachineFailed);
 }
 
@@ -106,21 +108,25 @@ void AddForward(CLI::App& central, Action& action) {
   CLI::App* command = central.add_subcommand(
       "forward",
       "Bring campaigns, running or not, to the server: all that it lacks, each row once.\n"
-      "It is a program of its own beside run, which it neither touches nor slows down: the campaign's folder is only "
-      "read, and holds what waits while the server is away. With --follow it goes on until Ctrl-C, which ends the "
+      "It is a program of its own beside run, which it neither touches nor slows down: the campaign's folder "
+      "is only "
+      "read, and holds what waits while the server is away. With --follow it goes on until Ctrl-C, which "
+      "ends the "
       "forwarding, not the campaign.\n"
       "Example: strainwave central forward campaigns/first --server service=lab --follow");
   auto options = std::make_shared<ForwardOptions>();
   options->order.patience_s = 60.0;
   command->add_option("CAMPAIGN", options->order.folders, "folders of campaigns")->required();
   AddServerOption(*command, options->order.conninfo);
-  command->add_option("--store", options->store,
-                      "folder for the raw records, each under the SHA-256 of its bytes; may be shared by all benches");
+  command->add_option(
+      "--store", options->store,
+      "folder for the raw records, each under the SHA-256 of its bytes; may be shared by all benches");
   CLI::Option* const follow =
       command->add_flag("--follow", options->order.follow, "go on with what a running campaign adds");
   command
-      ->add_option("--patience", options->order.patience_s,
-                   "s that the server may be away before this ends with exit code 3; with --follow there is no end")
+      ->add_option(
+          "--patience", options->order.patience_s,
+          "s that the server may be away before this ends with exit code 3; with --follow there is no end")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str()
       ->excludes(follow);
@@ -137,14 +143,18 @@ void AddCentral(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "central",
       "Many benches beside each other in a PostgreSQL server: their campaigns, results and alarms.\n"
-      "Each bench keeps its own journal as ever and forwards it; one page shows all of them, and life and report take "
+      "Each bench keeps its own journal as ever and forwards it; one page shows all of them, and life and "
+      "report take "
       "campaigns from there (--from-server).\n"
-      "Passwords are taken from ~/.pgpass, PGPASSFILE or a service file of libpq, never from the command line.");
+      "Passwords are taken from ~/.pgpass, PGPASSFILE or a service file of libpq, never from the command "
+      "line.");
   command->require_subcommand(1);
   AddMigrate(*command, action);
   AddAddRole(*command, action, RoleKind::kBench);
   AddAddRole(*command, action, RoleKind::kReader);
   AddForward(*command, action);
+  AddCentralPage(*command, action);
+  AddCentralCampaigns(*command, action);
 }
 
 }  // namespace strainwave::bench
