@@ -101,6 +101,12 @@ class PostgresServer {
     bench::Server lab(Conninfo("admin"));
     bench::Migrate(lab, version);
   }
+  /// From now on of every role but "admin", by SCRAM; this process gives that one.
+  void DemandPasswords(const std::string& password) {
+    std::ofstream(data_ / "pg_hba.conf") << "local all admin trust\nlocal all all scram-sha-256\n";
+    bench::Server(Conninfo("admin")).Execute("SELECT pg_reload_conf()");
+    ::setenv("PGPASSWORD", password.c_str(), 1);
+  }
   const std::filesystem::path& folder() const { return folder_; }
 
  private:

@@ -4,9 +4,6 @@
 
 #include <sys/stat.h>
 
-#include <nlohmann/json.hpp>
-
-#include "bench/central/fleet_view.h"
 #include "tests/bench/central/lab.h"
 
 namespace strainwave::bench::rights_test {
@@ -144,26 +141,6 @@ TEST_F(Rights, PasswordsAreForTheOwnerOfTheFileAlone) {
       "2: 'a b' is no name of a bench or reader (expected letters, digits, '_', '-' and '.', 50 at most)");
   EXPECT_EQ(RefusalOf([&] { lab_->AddBench("hall-3"); }),
             "2: there is a role bench_hall-3 already (expected another name, or --new-password)");
-}
-
-TEST_F(Rights, ThePageListsAndComparesWhatQueriesAskFor) {
-  lab_->Forward(lab_->Order(campaign_->folder()));
-  Server admin(lab_->postgres.Conninfo("admin"));
-  const auto benches = BenchesJson(admin, {.find = "HALL", .state = {}});
-  EXPECT_EQ(benches["count"], 1);
-  EXPECT_EQ(benches["benches"][0]["specimen"], "SIM-0001");
-  EXPECT_EQ(benches["benches"][0]["complete"], 1);
-  EXPECT_EQ(BenchesJson(admin, {.find = "nothing", .state = {}})["count"], 0);
-  const auto compared =
-      ComparisonJson(admin, "k1_Nm_per_rad", ParseCampaignQuery("specimen=SIM-* bench=hall-3,x"));
-  ASSERT_EQ(compared["campaigns"].size(), 1U);
-  EXPECT_EQ(compared["campaigns"][0]["last"], 15001.0);
-  EXPECT_EQ(ComparisonJson(admin, "k1_Nm_per_rad", ParseCampaignQuery("specimen=SIM_*"))["campaigns"].size(),
-            0U);
-  EXPECT_EQ(RefusalOf([] { ParseCampaignQuery("specimens=1"); }),
-            "2: 'specimens=1' is no condition (expected bench=, specimen=, schedule= or campaign= with a "
-            "value, such as "
-            "bench=hall-* specimen=A1,A2)");
 }
 
 }  // namespace
