@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign.h"
-#include "bench/central/copy_text.h"
+#include "bench/central/server_columns.h"
 #include "bench/page/campaign_watch.h"
 #include "bench/sha256.h"
 

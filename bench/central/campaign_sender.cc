@@ -5,23 +5,11 @@
 
 #include <fmt/core.h>
 
-#include "bench/central/copy_text.h"
+#include "bench/central/server_columns.h"
 #include "bench/utc.h"
 
 namespace strainwave::bench {
 namespace {
-
-// Of this connection, emptied by every commit.
-constexpr const char* kSentTables = R"sql(
-CREATE TEMP TABLE IF NOT EXISTS sent_cycles(cycle integer, outcome text, started_s double precision,
-  ended_s double precision, records_sha256 text, phases json) ON COMMIT DELETE ROWS;
-CREATE TEMP TABLE IF NOT EXISTS sent_results(cycle integer, repeat smallint, quantity_set integer,
-  result_values double precision[], standard_errors double precision[], flags text[]) ON COMMIT DELETE ROWS;
-CREATE TEMP TABLE IF NOT EXISTS sent_alarms(number bigint, code text, alarm_text text, priority text, state text,
-  cycle integer, raised_utc text, returned_utc text, acknowledged_by text, journal_row json) ON COMMIT DELETE ROWS;
-CREATE TEMP TABLE IF NOT EXISTS sent_rows(journal_table strainwave.journal_table, number bigint, key text,
-  journal_row json) ON COMMIT DELETE ROWS;
-)sql";
 
 constexpr const char* kOfCampaign = "WHERE month = $1 AND bench_id = $2 AND campaign_id = $3";
 
@@ -29,7 +17,6 @@ constexpr const char* kOfCampaign = "WHERE month = $1 AND bench_id = $2 AND camp
 
 void CampaignSender::Begin(Server& server, const std::string& machine, const SentCampaign& campaign,
                            std::int64_t utc_ms) {
-  server.Execute(kSentTables);
   MeasureClock(server, utc_ms);
   started_utc_ = ServerText(campaign.started_utc);
   const ServerRows place = server.Run("SELECT * FROM strainwave.register_campaign($1, $2, $3, $4, $5)",

@@ -15,7 +15,7 @@ using nlohmann::json;
 constexpr int kMostCompared = 200;
 
 constexpr const char* kShownBenches = R"sql(
-WITH shown AS MATERIALIZED (
+WITH shown AS (
   SELECT b.name, c.specimen, c.schedule_name, s.phase, s.cycle, s.cycles, s.complete, s.open_alarms, s.last_alarm,
     s.last_alarm_utc, s.clock_off_s, s.clock_wrong, extract(epoch FROM now() - s.arrived) AS age_s,
     CASE WHEN s.bench_id IS NULL THEN 'never seen'

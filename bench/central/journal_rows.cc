@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/central/copy_text.h"
+#include "bench/central/server_columns.h"
 
 namespace strainwave::bench {
 namespace {

@@ -79,15 +79,18 @@ JOIN strainwave.quantity_sets q USING (quantity_set)
 CROSS JOIN LATERAL unnest(q.names, r.result_values, r.standard_errors) WITH ORDINALITY
   AS u(quantity, value, standard_error, place);
 
+CREATE TABLE strainwave.months(month date PRIMARY KEY, made timestamptz NOT NULL DEFAULT now());
 CREATE FUNCTION strainwave.make_month(day date) RETURNS void LANGUAGE plpgsql AS $$
 DECLARE
   first date := date_trunc('month', day)::date;
   suffix text := to_char(first, 'YYYY_MM');
   parent text;
 BEGIN
-  IF to_regclass('strainwave.records_' || suffix) IS NOT NULL THEN RETURN; END IF;
+  IF EXISTS (SELECT 1 FROM strainwave.months m WHERE m.month = first) THEN RETURN; END IF;
   PERFORM pg_advisory_xact_lock(1398227286, 2);
-  IF to_regclass('strainwave.records_' || suffix) IS NOT NULL THEN RETURN; END IF;
+  -- By a row and not by to_regclass, which after such a wait still answers from what it knew before.
+  IF EXISTS (SELECT 1 FROM strainwave.months m WHERE m.month = first) THEN RETURN; END IF;
+  INSERT INTO strainwave.months VALUES (first);
   FOREACH parent IN ARRAY ARRAY['cycles', 'result_rows', 'alarms', 'journal_rows', 'records'] LOOP
     EXECUTE format('CREATE TABLE strainwave.%I (LIKE strainwave.%I INCLUDING ALL) PARTITION BY HASH (bench_id)',
       parent || '_' || suffix, parent);

@@ -25,7 +25,7 @@ std::int64_t SteadyMilliseconds() {
       .count();
 }
 
-// The first line of what libpq says, without its severity, which comes in any language.
+// The first line of what libpq says.
 std::string FirstLine(std::string_view words) {
   std::string line(words.substr(0, words.find('\n')));
   while (!line.empty() && (line.back() == ' ' || line.back() == '\r')) line.pop_back();
@@ -199,9 +199,13 @@ void Server::Fail(const pg_result* result) const {
   const char* const words = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_MESSAGE_PRIMARY);
   const char* const detail = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_MESSAGE_HINT);
   const std::string sqlstate = state == nullptr ? "" : state;
+  if (words == nullptr) {
+    throw ServerError(ServerError::Kind::kAway, "",
+                      fmt::format("{}: error: {} (expected a PostgreSQL server that goes on answering)",
+                                  shown_, FirstLine(PQerrorMessage(connection_.get()))));
+  }
   throw ServerError(KindOfSqlstate(sqlstate), sqlstate,
-                    fmt::format("{}: error: {}{}", shown_,
-                                words == nullptr ? FirstLine(PQerrorMessage(connection_.get())) : words,
+                    fmt::format("{}: error: {}{}", shown_, words,
                                 detail == nullptr ? "" : fmt::format(" (expected {})", detail)));
 }
 
@@ -228,8 +232,7 @@ ServerRows Server::Answer() {
     } else {
       last.emplace(result);
     }
-    // Neither ends by itself.
-    if (status == PGRES_COPY_IN || PQstatus(connection_.get()) == CONNECTION_BAD) break;
+    if (PQstatus(connection_.get()) == CONNECTION_BAD) break;
   }
   if (failed) Fail(failure);
   if (!last) Fail(nullptr);
@@ -253,29 +256,6 @@ ServerRows Server::Run(const std::string& sql, std::initializer_list<ServerValue
 
 void Server::Execute(const std::string& sql) {
   if (PQsendQuery(connection_.get(), sql.c_str()) == 0) Fail(nullptr);
-  Flush();
-  Answer();
-}
-
-void Server::Copy(const std::string& sql, std::string_view rows) {
-  constexpr std::size_t kPart_bytes = 64 * 1024;
-  Execute(sql);
-  for (std::size_t at = 0; at < rows.size(); at += kPart_bytes) {
-    const std::string_view part = rows.substr(at, kPart_bytes);
-    while (true) {
-      const int taken = PQputCopyData(connection_.get(), part.data(), static_cast<int>(part.size()));
-      if (taken < 0) Fail(nullptr);
-      if (taken > 0) break;
-      Flush();
-    }
-    Flush();
-  }
-  while (true) {
-    const int taken = PQputCopyEnd(connection_.get(), nullptr);
-    if (taken < 0) Fail(nullptr);
-    if (taken > 0) break;
-    Flush();
-  }
   Flush();
   Answer();
 }

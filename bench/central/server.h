@@ -88,8 +88,6 @@ class Server {
   ServerRows Run(const std::string& sql, std::initializer_list<ServerValue> values);
   /// One statement or several, without parameters.
   void Execute(const std::string& sql);
-  /// "COPY table(columns) FROM STDIN" with rows as its text format has them (copy_text.h).
-  void Copy(const std::string& sql, std::string_view rows);
 
   /// A name as part of a statement.
   std::string Identifier(const std::string& name) const;

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "bench/central/copy_text.h"
+#include "bench/central/server_columns.h"
 #include "bench/page/page_state.h"
 #include "tests/bench/central/lab.h"
 
@@ -130,13 +130,19 @@ TEST_F(Forwarding, MarksStampsOfAWrongClock) {
             "t");
 }
 
-TEST(CopyText, IsAsPostgresqlReadsIt) {
-  CopyText text;
+TEST(Columns, AreAsPostgresqlReadsThem) {
+  ServerColumns columns;
   const std::optional<double> numbers[] = {0.1, std::nullopt, std::numeric_limits<double>::infinity()};
-  const std::string flags[] = {"a\"b", "", "c\\d"};
-  text.Text("x\ty\\z\n").Integer(-3).Real(std::nullopt).Truth(true).Reals(numbers).Texts(flags).EndRow();
-  EXPECT_EQ(text.rows(),
-            "x\\ty\\\\z\\n\t-3\t\\N\tt\t{0.1,NULL,Infinity}\t{\"a\\\\\"b\",NULL,\"c\\\\\\\\d\"}\n");
+  const std::string flags[] = {"a\"b", "", "c"};
+  columns.Text("x\"\\").Integer(-3).Real(std::nullopt).Reals(numbers).Texts(flags).EndRow();
+  columns.Text("").Integer(4).Real(0.5).Null().Null().EndRow();
+  const std::vector<ServerValue> expected{"1",
+                                          R"({"x\"\\",""})",
+                                          "{-3,4}",
+                                          "{NULL,0.5}",
+                                          R"({"{0.1,NULL,Infinity}",NULL})",
+                                          R"({"{\"a\\\"b\",NULL,\"c\"}",NULL})"};
+  EXPECT_EQ(columns.After({"1"}), expected);
   EXPECT_EQ(ServerText(std::string("a\0\xff"
                                    "b",
                                    4)),

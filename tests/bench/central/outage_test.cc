@@ -113,6 +113,21 @@ TEST(Outage, WhatARunAddsMeanwhileComesWhenTheServerIsBack) {
   EXPECT_EQ(RowsOf(lab.Fetched("fetched")), RowsOf(campaign.folder()));
 }
 
+TEST(Outage, BenchesThatComeFirstInAMonthAtOnceAllGetIn) {
+  if (!HasPostgres()) GTEST_SKIP() << kNoPostgres;
+  Lab lab;
+  lab.AddBench("hall-4");
+  WrittenCampaign campaign(lab.scratch / "campaign");
+  Server first(lab.postgres.Conninfo("bench_hall-3"));
+  first.Execute("BEGIN; SELECT strainwave.register_campaign('a', 'b', 'c', 'd', 'e')");
+  const FollowingForward second(lab.Order(campaign.folder(), "hall-4"));
+  Until([&] {
+    return lab.Value("SELECT count(*) FROM pg_locks WHERE NOT granted AND locktype = 'advisory'") == "1";
+  });
+  first.Execute("COMMIT");
+  Until([&] { return lab.Value("SELECT count(*) FROM strainwave.bench_states") == "1"; });
+}
+
 TEST(Outage, WithoutFollowItEndsWhenPatienceDoes) {
   if (!HasPostgres()) GTEST_SKIP() << kNoPostgres;
   Lab lab;

@@ -40,7 +40,7 @@ class PostgresServer {
     std::filesystem::create_directories(data_);
     for (const std::filesystem::path& path : {folder_, data_}) {
       if (::geteuid() == 0 && ::chown(path.c_str(), kNobody, kNogroup) != 0)
-        throw std::runtime_error("chown");
+        throw std::runtime_error("chown failed");
       std::filesystem::permissions(path, std::filesystem::perms::owner_all);
     }
     const pid_t made = Spawn({"initdb", "-D", data_, "-U", "admin", "--auth=trust", "--no-sync",
