@@ -81,7 +81,7 @@ Forwarded CampaignForward::Look(ServerSource& source) {
     }
     done.rows += sender_.Send(source.Get(), batch);
     for (const SentCycle& cycle : batch.cycles) done.cycles += cycle.outcome == "complete" ? 1 : 0;
-    Remember(batch);
+    TakeAsSent(batch);
   }
   TellState(source, StateOf(snapshot, journal), journal);
   if (store_) KeepRecords(source, journal, done);
@@ -122,7 +122,7 @@ void CampaignForward::LeaveOutSent(JournalBatch& batch) const {
   std::erase_if(batch.rows, [&](const SentRow& row) { return row.number == 0 && is_sent(row); });
 }
 
-void CampaignForward::Remember(const JournalBatch& batch) {
+void CampaignForward::TakeAsSent(const JournalBatch& batch) {
   for (const SentCycle& cycle : batch.cycles) {
     if (cycle.outcome == "complete") {
       marks_.cycle = cycle.cycle;

@@ -57,7 +57,7 @@ class CampaignForward {
   bool Connect(ServerSource& source, const Journal& journal);
   /// Takes out what the server is known to have.
   void LeaveOutSent(JournalBatch& batch) const;
-  void Remember(const JournalBatch& batch);
+  void TakeAsSent(const JournalBatch& batch);
   void TellState(ServerSource& source, const SentState& state, const Journal& journal);
   void KeepRecords(ServerSource& source, const Journal& journal, Forwarded& done);
 

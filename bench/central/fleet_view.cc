@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -14,17 +15,22 @@ using nlohmann::json;
 
 constexpr int kMostCompared = 200;
 
-constexpr const char* kShownBenches = R"sql(
-WITH shown AS (
-  SELECT b.name, c.specimen, c.schedule_name, s.phase, s.cycle, s.cycles, s.complete, s.open_alarms, s.last_alarm,
-    s.last_alarm_utc, s.clock_off_s, s.clock_wrong, extract(epoch FROM now() - s.arrived) AS age_s,
-    CASE WHEN s.bench_id IS NULL THEN 'never seen'
-      WHEN s.state = 'running' AND s.arrived < now() - interval '15 minutes' THEN 'silent' ELSE s.state END AS state
-  FROM strainwave.benches b LEFT JOIN strainwave.bench_states s USING (bench_id)
-  LEFT JOIN strainwave.campaigns c ON c.campaign_id = s.campaign_id AND c.bench_id = s.bench_id
-  WHERE $1 = '' OR strpos(lower(b.name), $1) > 0 OR strpos(lower(c.specimen), $1) > 0
-    OR strpos(lower(c.schedule_name), $1) > 0)
-)sql";
+// What is looked for may be in the names of a campaign; where nothing is, these are joined to the rows of one
+// page alone.
+constexpr const char* kFindInNames =
+    "LEFT JOIN strainwave.campaigns f ON f.campaign_id = s.campaign_id AND f.bench_id = s.bench_id WHERE "
+    "strpos(lower(b.name), $1) > 0 OR strpos(lower(f.specimen), $1) > 0 OR strpos(lower(f.schedule_name), "
+    "$1) > 0";
+
+std::string ShownBenches(const std::string& find) {
+  return fmt::format(
+      "SELECT b.name, s.*, CASE WHEN s.bench_id IS NULL THEN 'never seen' WHEN s.state = 'running' AND "
+      "s.arrived < "
+      "now() - interval '15 minutes' THEN 'silent' ELSE s.state END AS shown_state FROM strainwave.benches b "
+      "LEFT JOIN "
+      "strainwave.bench_states s USING (bench_id) {}",
+      find.empty() ? "" : kFindInNames);
+}
 
 std::string LowerCase(std::string text) {
   for (char& letter : text) {
@@ -64,24 +70,32 @@ std::string EndOf(const std::string& which, const char* direction) {
 json BenchesJson(Server& server, const BenchesAsked& asked) {
   const std::string find = LowerCase(asked.find);
   json states = json::object();
+  std::vector<ServerValue> values;
+  if (!find.empty()) values.emplace_back(find);
   const ServerRows counts = server.Run(
-      std::string(kShownBenches) + "SELECT state, count(*) FROM shown GROUP BY 1 ORDER BY 1", {find});
+      fmt::format("SELECT shown_state, count(*) FROM ({}) x GROUP BY 1 ORDER BY 1", ShownBenches(find)),
+      values);
   std::int64_t count = 0;
   for (int i = 0; i < counts.count(); ++i) {
     states[counts.Text(i, 0)] = counts.Integer(i, 1);
     if (asked.state.empty() || asked.state == counts.View(i, 0)) count += counts.Integer(i, 1);
   }
+  constexpr const char* kWantsALook =
+      "CASE WHEN shown_state IN ('faulted', 'interrupted', 'silent', 'unreadable') THEN 0 WHEN open_alarms > "
+      "0 OR "
+      "clock_wrong THEN 1 WHEN shown_state = 'running' THEN 2 ELSE 3 END, name COLLATE \"C\"";
+  if (!asked.state.empty()) values.emplace_back(asked.state);
   const ServerRows rows = server.Run(
-      std::string(kShownBenches) +
-          fmt::format(
-              "SELECT name, state, specimen, schedule_name, phase, cycle, cycles, complete, open_alarms, "
-              "last_alarm, last_alarm_utc, age_s, clock_wrong, clock_off_s FROM shown WHERE $2 = '' OR state "
-              "= "
-              "$2 ORDER BY CASE WHEN state IN ('faulted', 'interrupted', 'silent', 'unreadable') THEN 0 WHEN "
-              "open_alarms > 0 OR clock_wrong THEN 1 WHEN state = 'running' THEN 2 ELSE 3 END, name LIMIT {} "
-              "OFFSET {}",
-              asked.most, asked.from),
-      {find, asked.state});
+      fmt::format(
+          "SELECT name, shown_state, c.specimen, c.schedule_name, phase, cycle, cycles, complete, "
+          "open_alarms, "
+          "last_alarm, last_alarm_utc, extract(epoch FROM now() - y.arrived), clock_wrong, clock_off_s FROM "
+          "(SELECT * FROM ({}) x {} ORDER BY {} LIMIT {} OFFSET {}) y LEFT JOIN strainwave.campaigns c ON "
+          "c.campaign_id = y.campaign_id AND c.bench_id = y.bench_id ORDER BY {}",
+          ShownBenches(find),
+          asked.state.empty() ? "" : fmt::format("WHERE shown_state = ${}", values.size()), kWantsALook,
+          asked.most, asked.from, kWantsALook),
+      values);
   json benches = json::array();
   for (int i = 0; i < rows.count(); ++i) {
     benches.push_back({{"bench", rows.Text(i, 0)},

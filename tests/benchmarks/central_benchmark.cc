@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How much a PostgreSQL server takes of many benches, and how fast the page of all of them is meanwhile.
+// usage: central_benchmark [BENCHES [CYCLES_PER_S [SECONDS]]]
 // A server of its own; each cycle comes as a bench sends it: a connection with a password, what the server
 // has, the rows of one cycle, the state.
 #include <algorithm>

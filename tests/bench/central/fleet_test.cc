@@ -64,6 +64,10 @@ TEST_F(Fleet, ListsAndComparesWhatQueriesAskFor) {
   const auto benches = BenchesJson(admin, {.find = "HALL", .state = {}});
   EXPECT_EQ(benches["count"], 2);
   EXPECT_EQ(benches["states"]["never seen"], 1);
+  EXPECT_EQ(BenchesJson(admin, {.find = {}, .state = {}})["states"], benches["states"]);
+  const auto unseen = BenchesJson(admin, {.find = {}, .state = "never seen"});
+  EXPECT_EQ(unseen["benches"].size(), 1U);
+  EXPECT_EQ(unseen["benches"][0]["bench"], "hall-4");
   EXPECT_EQ(benches["benches"][0]["specimen"], "SIM-0001");
   EXPECT_EQ(benches["benches"][0]["complete"], 1);
   EXPECT_EQ(benches["benches"][0]["last_alarm"], "twist beyond its limit");
