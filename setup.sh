@@ -27,7 +27,7 @@ BUILD_PACKAGES=(
   libeigen3-dev libhwy-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libhdf5-dev libmatio-dev libsndfile1-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
-  libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev
+  libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev libpq-dev
   libhidapi-dev libsystemd-dev
   gnuplot-nox
 )
@@ -36,7 +36,7 @@ CAMERA_PACKAGES=(libopencv-videoio-dev libopencv-imgcodecs-dev)
 PACKAGE_PACKAGES=(dpkg-dev file python3 binutils "${CAMERA_PACKAGES[@]}")
 TEST_PACKAGES=(
   "${PACKAGE_PACKAGES[@]}" git
-  libgtest-dev libbenchmark-dev mosquitto openssl
+  libgtest-dev libbenchmark-dev mosquitto openssl postgresql-15
   sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   python3-pymodbus python3-serial-asyncio python3-aiosmtpd socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
@@ -46,7 +46,7 @@ TEST_PACKAGES=(
 # In Debian a package of its own; nodejs from elsewhere brings it along.
 command -v npm >/dev/null || TEST_PACKAGES+=(npm)
 # Of those, what would begin to serve as soon as it is installed, and at every start of the machine.
-SERVICES=(mosquitto munge slurmctld slurmd)
+SERVICES=(mosquitto munge slurmctld slurmd postgresql-15)
 PROGRAMS=(strainwave strainwave-devices strainwave_manual strainwave_predictor predictor_example)
 
 fail() {
@@ -85,7 +85,7 @@ install_with_apt() {
   local service
   for service in "${services[@]}"; do
     if [[ " $* " == *" $service "* ]]; then
-      update-rc.d "$service" disable
+      update-rc.d "${service%-15}" disable  # the service has no version
     fi
   done
 }
@@ -104,7 +104,7 @@ install_missing() {
     local service
     for service in "${SERVICES[@]}"; do
       if [[ " ${wanted[*]} " == *" $service "* ]]; then
-        echo "  systemctl disable --now $service   # the tests start their own" >&2
+        echo "  systemctl disable --now ${service%-15}   # the tests start their own" >&2
       fi
     done
     exit 3

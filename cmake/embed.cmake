@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Files in a program. Run as a script it writes OUTPUT, C++ with StaticFiles() of bench/page/static_files.h, from
-# FILES ("PATH_OF_REQUEST=FILE", separated by '|'); included, it has strainwave_embed(target, files...).
+# Files in a program. Run as a script it writes OUTPUT, C++ with FUNCTION() as StaticFiles() of bench/page/static_files.h,
+# from FILES ("PATH_OF_REQUEST=FILE", separated by '|'); included, it has strainwave_embed(target function files...).
 if(CMAKE_SCRIPT_MODE_FILE)
   set(types .html=text/html .css=text/css .mjs=text/javascript .js=text/javascript .svg=image/svg+xml)
   string(REPLACE "|" ";" FILES "${FILES}")
@@ -36,13 +36,16 @@ constexpr strainwave::bench::StaticFile kFiles[] = {
 @rows@};
 }  // namespace
 
-std::span<const strainwave::bench::StaticFile> strainwave::bench::StaticFiles() { return kFiles; }
+namespace strainwave::bench {
+std::span<const StaticFile> @FUNCTION@();
+std::span<const StaticFile> @FUNCTION@() { return kFiles; }
+}  // namespace strainwave::bench
 ]])
   return()
 endif()
 
 set(STRAINWAVE_EMBED ${CMAKE_CURRENT_LIST_FILE})
-function(strainwave_embed target)
+function(strainwave_embed target function)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/${target}_files.cc)
   set(files "")
   foreach(entry IN LISTS ARGN)
@@ -51,7 +54,7 @@ function(strainwave_embed target)
   endforeach()
   list(JOIN ARGN "|" entries)
   add_custom_command(OUTPUT ${output}
-    COMMAND ${CMAKE_COMMAND} -D OUTPUT=${output} -D "FILES=${entries}" -P ${STRAINWAVE_EMBED}
+    COMMAND ${CMAKE_COMMAND} -D OUTPUT=${output} -D FUNCTION=${function} -D "FILES=${entries}" -P ${STRAINWAVE_EMBED}
     DEPENDS ${files} ${STRAINWAVE_EMBED} COMMENT "Embedding the files of ${target}" VERBATIM)
   target_sources(${target} PRIVATE ${output})
 endfunction()

@@ -24,6 +24,7 @@ void AddAlarms(CLI::App& app, Action& action);
 void AddNote(CLI::App& app, Action& action);
 void AddUsers(CLI::App& app, Action& action);
 void AddWatch(CLI::App& app, Action& action);
+void AddCentral(CLI::App& app, Action& action);
 void AddStop(CLI::App& app, Action& action);
 void AddRecompute(CLI::App& app, Action& action);
 void AddDiagnose(CLI::App& app, Action& action);

@@ -8,6 +8,7 @@
 
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/server_option.h"
 #include "bench/errors/bench_error.h"
 #include "bench/life/accelerated_report.h"
 #include "bench/life/campaign_lives.h"
@@ -21,6 +22,7 @@ namespace {
 
 struct LifeOptions {
   std::vector<std::string> paths;
+  FromServer from;
   double level_percent{90.0};
   std::vector<double> percents{10.0, 50.0};
   std::vector<double> at;
@@ -112,9 +114,9 @@ LimitShares SharesOf(const LifeOptions& options) {
   return shares;
 }
 
-int LifeOfCampaigns(const LifeOptions& options) {
+int LifeOfCampaigns(const LifeOptions& options, const std::vector<std::string>& folders) {
   const CampaignsReport report =
-      LivesOfCampaigns(options.paths, SettingsOf(options), SharesOf(options), options.join);
+      LivesOfCampaigns(folders, SettingsOf(options), SharesOf(options), options.join);
   for (const std::string& warning : report.warnings) ToStderr("warning: {}\n", warning);
   options.json ? ToStdout("{}\n", JsonOf(report).dump(2)) : ToStdout("{}", TextOf(report));
   const bool has_limit =
@@ -131,8 +133,10 @@ int LifeOfCampaigns(const LifeOptions& options) {
 }
 
 int TellLife(const LifeOptions& options) {
+  const CampaignFolders given(options.paths, options.from);
+  if (!options.from.conninfo.empty()) return LifeOfCampaigns(options, given.paths());
   const auto is_folder = [](const std::string& path) { return std::filesystem::is_directory(path); };
-  if (std::ranges::all_of(options.paths, is_folder)) return LifeOfCampaigns(options);
+  if (std::ranges::all_of(options.paths, is_folder)) return LifeOfCampaigns(options, options.paths);
   if (std::ranges::any_of(options.paths, is_folder))
     Refuse(options.paths.front(), "is beside another kind of path", "campaigns, or one table of times");
   if (options.paths.size() > 1) Refuse(options.paths[1], "is a second table of times", "one, with all units");
@@ -153,7 +157,9 @@ void AddLife(CLI::App& app, Action& action) {
                                          "predict.\n"
                                          "Example: strainwave life times.csv --plots pictures");
   auto options = std::make_shared<LifeOptions>();
-  command->add_option("PATH", options->paths, "a table of times (CSV), or folders of campaigns")->required();
+  CLI::Option* const paths =
+      command->add_option("PATH", options->paths, "a table of times (CSV), or folders of campaigns");
+  AddFromServer(*command, options->from, paths);
   command->add_option("--level", options->level_percent, "% of the two-sided intervals")
       ->check(CLI::Range(50.0, 99.9))
       ->capture_default_str();

@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddAlarms(app, action);
   strainwave::bench::AddNote(app, action);
   strainwave::bench::AddWatch(app, action);
+  strainwave::bench::AddCentral(app, action);
   strainwave::bench::AddRecompute(app, action);
   strainwave::bench::AddDiagnose(app, action);
   strainwave::bench::AddTable(app, action);

@@ -12,6 +12,7 @@
 #include "bench/campaign/disk_room.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/server_option.h"
 #include "bench/errors/bench_error.h"
 #include "bench/report/csv_tables.h"
 #include "bench/report/document.h"
@@ -27,6 +28,7 @@ constexpr double kForecastLevel = 0.95;
 
 struct ReportOptions {
   std::vector<std::string> folders;
+  FromServer from;
   std::string out;
   std::string csv;
   std::string pdf;
@@ -70,7 +72,10 @@ std::string PrintedOrWhyNot(const std::string& html, const std::string& pdf) {
   }
 }
 
-int WriteReport(const ReportOptions& options) {
+int WriteReport(const ReportOptions& given) {
+  const CampaignFolders folders(given.folders, given.from);
+  ReportOptions options = given;
+  options.folders = folders.paths();
   std::vector<std::string> warnings;
   const std::vector<ReportSection> filed = FiledSections(PapersOf(options));
   std::vector<CampaignSheet> sheets;
@@ -115,7 +120,8 @@ void AddReport(CLI::App& app, Action& action) {
                          "written. It loads nothing from elsewhere.\n"
                          "Example: strainwave report campaigns/first --out first.html --csv first_tables");
   auto options = std::make_shared<ReportOptions>();
-  command->add_option("DIR", options->folders, "folders of campaigns")->required();
+  CLI::Option* const folders = command->add_option("DIR", options->folders, "folders of campaigns");
+  AddFromServer(*command, options->from, folders);
   command->add_option("--out", options->out, "HTML file to write; one of that name is replaced")->required();
   command->add_option("--csv", options->csv,
                       "folder for the same numbers as CSV; files of the same names are replaced");

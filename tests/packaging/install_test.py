@@ -145,8 +145,8 @@ class Installed(unittest.TestCase):
         page = self.prefix / "share/man/man1/strainwave.1"
         section = page.read_text(encoding="utf-8").split("\n.SH COMMANDS\n")[1].split("\n.SH ")[0].split("\n.PP\n")[0]
         self.assertEqual([name.replace(r"\-", "-") for name in re.findall(r"^\.TP\n\.B (.*)$", section, re.M)], self.commands())
-        of_bench = re.findall(r"^\.B[R]? ([a-z\\-]+) ?[,.]$", section, re.M)
-        self.assertEqual([name.replace("\\-", "-") for name in of_bench], self.commands("bench"))
+        below = re.findall(r"^\.B[R]? ([a-z\\-]+) ?[,.]$", section, re.M)
+        self.assertEqual([name.replace("\\-", "-") for name in below], [*self.commands("bench"), *self.commands("central")])
 
     def called(self, *of):
         """Every command, with those of commands, as its words."""

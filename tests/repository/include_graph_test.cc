@@ -43,7 +43,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"prediction"},
                                                          {"health", "faults", "fingerprint", "fleet"},
                                                          {"monitor", "page"},
-                                                         {"notices", "report"},
+                                                         {"notices", "report", "central"},
                                                          {"predictor_api"},
                                                          {"commands"}};
 

@@ -47,7 +47,7 @@ struct SourceSnapshot {
 };
 
 /// What a source has come to since it was connected.
-struct SourceState {
+struct ReaderState {
   daq::acquisition::GapTotals totals;
   std::optional<daq::acquisition::ClockEstimate> clock;  // nothing: not known yet
   std::uint64_t clock_restarts{};
@@ -147,7 +147,7 @@ class SourceReader {
 
   Latest<SourceSnapshot> newest_;
   std::atomic<std::int64_t> since_ns_{};  // older ones are counted from elsewhere
-  Latest<SourceState> state_;
+  Latest<ReaderState> state_;
   mutable RealtimeMutex mutex_;                                 // of those below; held for moments only
   std::map<std::size_t, daq::acquisition::TurnCounter> turns_;  // of the channels that go over
   std::unique_ptr<daq::acquisition::StreamRecorder> recorder_;

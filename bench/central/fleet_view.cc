@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/central/fleet_view.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+namespace strainwave::bench {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMostCompared = 200;
+
+// What is looked for may be in the names of a campaign; where nothing is, these are joined to the rows of one
+// page alone.
+constexpr const char* kFindInNames =
+    "LEFT JOIN strainwave.campaigns f ON f.campaign_id = s.campaign_id AND f.bench_id = s.bench_id WHERE "
+    "strpos(lower(b.name), $1) > 0 OR strpos(lower(f.specimen), $1) > 0 OR strpos(lower(f.schedule_name), "
+    "$1) > 0";
+
+std::string ShownBenches(const std::string& find) {
+  return fmt::format(
+      "SELECT b.name, s.*, CASE WHEN s.bench_id IS NULL THEN 'never seen' WHEN s.state = 'running' AND "
+      "s.arrived < "
+      "now() - interval '15 minutes' THEN 'silent' ELSE s.state END AS shown_state FROM strainwave.benches b "
+      "LEFT JOIN "
+      "strainwave.bench_states s USING (bench_id) {}",
+      find.empty() ? "" : kFindInNames);
+}
+
+std::string LowerCase(std::string text) {
+  for (char& letter : text) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return text;
+}
+
+json TextOrNull(const ServerRows& rows, int row, int column) {
+  return rows.IsNull(row, column) ? json() : json(rows.Text(row, column));
+}
+
+json RealOrNull(const ServerRows& rows, int row, int column) {
+  if (rows.IsNull(row, column)) return {};
+  const double value = rows.Real(row, column);
+  return std::isfinite(value) ? json(value) : json();
+}
+
+json IntegerOrNull(const ServerRows& rows, int row, int column) {
+  return rows.IsNull(row, column) ? json() : json(rows.Integer(row, column));
+}
+
+std::string EndOf(const std::string& which, const char* direction) {
+  return fmt::format(
+      "LEFT JOIN LATERAL (SELECT r.cycle, r.result_values[array_position(q.names, $1)] AS value, "
+      "r.standard_errors[array_position(q.names, $1)] AS standard_error FROM strainwave.result_rows r JOIN "
+      "strainwave.quantity_sets q USING (quantity_set) WHERE r.month = m.month AND r.bench_id = m.bench_id "
+      "AND "
+      "r.campaign_id = m.campaign_id AND r.cycle > 0 AND r.repeat = 0 AND $1 = ANY(q.names) ORDER BY r.cycle "
+      "{} LIMIT "
+      "1) {} ON true ",
+      direction, which);
+}
+
+}  // namespace
+
+json BenchesJson(Server& server, const BenchesAsked& asked) {
+  const std::string find = LowerCase(asked.find);
+  json states = json::object();
+  std::vector<ServerValue> values;
+  if (!find.empty()) values.emplace_back(find);
+  const ServerRows counts = server.Run(
+      fmt::format("SELECT shown_state, count(*) FROM ({}) x GROUP BY 1 ORDER BY 1", ShownBenches(find)),
+      values);
+  std::int64_t count = 0;
+  for (int i = 0; i < counts.count(); ++i) {
+    states[counts.Text(i, 0)] = counts.Integer(i, 1);
+    if (asked.state.empty() || asked.state == counts.View(i, 0)) count += counts.Integer(i, 1);
+  }
+  constexpr const char* kWantsALook =
+      "CASE WHEN shown_state IN ('faulted', 'interrupted', 'silent', 'unreadable') THEN 0 WHEN open_alarms > "
+      "0 OR "
+      "clock_wrong THEN 1 WHEN shown_state = 'running' THEN 2 ELSE 3 END, name COLLATE \"C\"";
+  if (!asked.state.empty()) values.emplace_back(asked.state);
+  const ServerRows rows = server.Run(
+      fmt::format(
+          "SELECT name, shown_state, c.specimen, c.schedule_name, phase, cycle, cycles, complete, "
+          "open_alarms, "
+          "last_alarm, last_alarm_utc, extract(epoch FROM now() - y.arrived), clock_wrong, clock_off_s FROM "
+          "(SELECT * FROM ({}) x {} ORDER BY {} LIMIT {} OFFSET {}) y LEFT JOIN strainwave.campaigns c ON "
+          "c.campaign_id = y.campaign_id AND c.bench_id = y.bench_id ORDER BY {}",
+          ShownBenches(find),
+          asked.state.empty() ? "" : fmt::format("WHERE shown_state = ${}", values.size()), kWantsALook,
+          asked.most, asked.from, kWantsALook),
+      values);
+  json benches = json::array();
+  for (int i = 0; i < rows.count(); ++i) {
+    benches.push_back({{"bench", rows.Text(i, 0)},
+                       {"state", rows.Text(i, 1)},
+                       {"specimen", TextOrNull(rows, i, 2)},
+                       {"schedule", TextOrNull(rows, i, 3)},
+                       {"phase", TextOrNull(rows, i, 4)},
+                       {"cycle", IntegerOrNull(rows, i, 5)},
+                       {"cycles", IntegerOrNull(rows, i, 6)},
+                       {"complete", IntegerOrNull(rows, i, 7)},
+                       {"open_alarms", IntegerOrNull(rows, i, 8)},
+                       {"last_alarm", TextOrNull(rows, i, 9)},
+                       {"last_alarm_utc", TextOrNull(rows, i, 10)},
+                       {"seen_s_ago", RealOrNull(rows, i, 11)},
+                       {"clock_wrong", rows.Truth(i, 12)},
+                       {"clock_off_s", RealOrNull(rows, i, 13)}});
+  }
+  return {
+      {"states", std::move(states)}, {"count", count}, {"from", asked.from}, {"benches", std::move(benches)}};
+}
+
+json ComparisonJson(Server& server, const std::string& quantity, const CampaignQuery& query) {
+  // The quantity is $1 and comes again behind the query's own values, which begin with $1 in its words.
+  std::vector<ServerValue> values{quantity};
+  values.insert(values.end(), query.values.begin(), query.values.end());
+  std::string condition;
+  for (std::size_t i = 0; i < query.condition.size(); ++i) {
+    condition += query.condition[i];
+    if (query.condition[i] != '$') continue;
+    std::size_t digits = 0;
+    condition += std::to_string(std::stoi(query.condition.substr(i + 1), &digits) + 1);
+    i += digits;
+  }
+  const ServerRows rows = server.Run(
+      fmt::format(
+          "SELECT m.name, m.specimen, m.schedule_name, m.started_utc, f.cycle, f.value, f.standard_error, "
+          "l.cycle, l.value, l.standard_error FROM (SELECT b.name, c.* FROM strainwave.campaigns c JOIN "
+          "strainwave.benches b USING (bench_id) WHERE {} ORDER BY c.specimen, c.campaign_id LIMIT {}) m {} "
+          "{} "
+          "WHERE f.cycle IS NOT NULL ORDER BY m.specimen, m.campaign_id",
+          condition, kMostCompared, EndOf("f", "ASC"), EndOf("l", "DESC")),
+      values);
+  json campaigns = json::array();
+  for (int i = 0; i < rows.count(); ++i) {
+    campaigns.push_back({{"bench", rows.Text(i, 0)},
+                         {"specimen", rows.Text(i, 1)},
+                         {"schedule", rows.Text(i, 2)},
+                         {"started_utc", rows.Text(i, 3)},
+                         {"first_cycle", IntegerOrNull(rows, i, 4)},
+                         {"first", RealOrNull(rows, i, 5)},
+                         {"first_se", RealOrNull(rows, i, 6)},
+                         {"last_cycle", IntegerOrNull(rows, i, 7)},
+                         {"last", RealOrNull(rows, i, 8)},
+                         {"last_se", RealOrNull(rows, i, 9)}});
+  }
+  return {{"quantity", quantity}, {"most", kMostCompared}, {"campaigns", std::move(campaigns)}};
+}
+
+json QuantitiesJson(Server& server) {
+  const ServerRows rows =
+      server.Run("SELECT DISTINCT unnest(names) FROM strainwave.quantity_sets ORDER BY 1");
+  json names = json::array();
+  for (int i = 0; i < rows.count(); ++i) names.push_back(rows.Text(i, 0));
+  return {{"quantities", std::move(names)}};
+}
+
+}  // namespace strainwave::bench
