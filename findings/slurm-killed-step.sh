@@ -55,8 +55,17 @@ daemons+=($!)
 slurmd -D -N n1 -f "$SLURM_CONF" 2>slurmd.log &
 daemons+=($!)
 disown -a
-# The tasks end by themselves when the folder is gone.
-trap 'kill -9 "${daemons[@]}" 2>/dev/null; rm -rf "$temp"' EXIT
+# Tasks end by themselves when the folder is gone; their steps would wait for the controller.
+end_all() {
+  local environment
+  kill -9 "${daemons[@]}" 2>/dev/null || true
+  for environment in $(grep -lzxF "SLURM_CONF=$SLURM_CONF" /proc/[0-9]*/environ 2>/dev/null); do
+    environment=${environment#/proc/}
+    [ "${environment%/environ}" = $$ ] || kill -9 "${environment%/environ}" 2>/dev/null || true
+  done
+  rm -rf "$temp"
+}
+trap end_all EXIT
 
 until_is() { until [ "$("${@:2}" 2>/dev/null)" = "$1" ]; do sleep 0.2; done; }
 state() { squeue -h -j "$job" -o "${1:-%T}"; }

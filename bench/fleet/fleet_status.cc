@@ -70,8 +70,11 @@ std::string SlurmText(const SlurmView& slurm) {
   for (const auto& [state, count] : StatesOf(slurm)) text += fmt::format(", {} {}", count, state);
   text += slurm.tasks.empty() ? ": ended, and forgotten by Slurm\n" : "\n";
   for (const SlurmTask& task : slurm.tasks) {
-    if (!MayStillRun(task.state) && task.state != "COMPLETED")
-      text += fmt::format("         task {} {} {}\n", task.shard, task.state, task.node);
+    // One that is held waits until somebody lets it go (scontrol release).
+    const bool is_held = task.reason.find("eld") != std::string::npos;
+    if (is_held || (!MayStillRun(task.state) && task.state != "COMPLETED"))
+      text +=
+          fmt::format("         task {} {} {}\n", task.shard, task.state, is_held ? task.reason : task.node);
   }
   return text;
 }

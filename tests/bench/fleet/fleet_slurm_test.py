@@ -64,10 +64,16 @@ class FleetOnSlurm(unittest.TestCase):
         return [shard for shard, (state, where, _) in self.cluster.tasks(self.job).items() if state == "RUNNING" and where == node]
 
     def begin_what_waits(self):
-        """A task that is requeued waits for two minutes."""
+        """What a site's administrator would do: a task that is requeued waits for two minutes; where the controller died before it
+        had written down what it had begun, it begins that again, drains the node that has it already, and holds the task."""
         for shard, (state, _, reason) in self.cluster.tasks(self.job).items():
-            if state == "PENDING" and reason == "BeginTime":
+            if state == "PENDING" and "held" in reason.lower():
+                self.cluster.ask("scontrol", "release", f"{self.job}_{shard}")
+            elif state == "PENDING" and reason == "BeginTime":
                 self.cluster.ask("scontrol", "update", f"jobid={self.job}_{shard}", "starttime=now")
+        for node in slurm_cluster.NODES:
+            if "drain" in self.cluster.ask("sinfo", "-h", "-n", node, "-o", "%T"):
+                self.cluster.ask("scontrol", "update", f"nodename={node}", "state=resume")
 
     def whole_or_begun(self):
         self.begin_what_waits()

@@ -115,19 +115,17 @@ class Cluster:
         daemon.kill()
         daemon.wait()
 
+    def started(self):
+        """Environments of whatever lives and was started with this configuration, by process."""
+        processes = {int(entry.name): environment_of(entry.name) for entry in pathlib.Path("/proc").iterdir() if entry.name.isdigit()}
+        return {process: environment for process, environment in processes.items()
+                if environment.get("SLURM_CONF") == str(self.configuration)}
+
     def batches(self, node=None, shard=None):
         """Process of the batch script, and those that it has started, of tasks that run."""
-        found = []
-        for entry in pathlib.Path("/proc").iterdir():
-            if not entry.name.isdigit():
-                continue
-            environment = environment_of(entry.name)
-            if environment.get("SLURM_CONF") != str(self.configuration) or "SLURM_ARRAY_TASK_ID" not in environment:
-                continue
-            if node not in (None, environment.get("SLURMD_NODENAME")) or shard not in (None, int(environment["SLURM_ARRAY_TASK_ID"])):
-                continue
-            found.append(int(entry.name))
-        return found
+        return [process for process, environment in self.started().items()
+                if "SLURM_ARRAY_TASK_ID" in environment and node in (None, environment.get("SLURMD_NODENAME"))
+                and shard in (None, int(environment["SLURM_ARRAY_TASK_ID"]))]
 
     def steps_of(self, processes):
         """The slurmstepd of these: parents that are no tasks themselves."""
@@ -150,8 +148,9 @@ class Cluster:
         return {int(row[0]): row[1:] for row in rows if len(row) == 4 and row[0].isdigit()}
 
     def stop(self):
-        for process in self.batches():
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(process, signal.SIGKILL)
         for name in reversed(list(self.daemons)):
             self.kill(name)
+        # Steps wait for a controller that does not come back.
+        for process in self.started():
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
