@@ -22,12 +22,13 @@ const RecorderSettings& Checked(const RecorderSettings& settings) {
 }
 
 std::uint64_t HighestNumber(const std::filesystem::path& folder, const std::string& name) {
-  const std::regex pattern(R"(\.?(.*)-(\d{6,12})\.h5(\.partial)?)");
+  // Made once: to make one writes a cache of the locale, which two threads would do without a lock.
+  static const std::regex kNumbered(R"(\.?(.*)-(\d{6,12})\.h5(\.partial)?)");
   std::uint64_t highest = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string file = entry.path().filename().string();
     std::smatch match;
-    if (std::regex_match(file, match, pattern) && match[1] == name) {
+    if (std::regex_match(file, match, kNumbered) && match[1] == name) {
       highest = std::max<std::uint64_t>(highest, std::stoull(match[2]));
     }
   }
