@@ -155,18 +155,22 @@ void CampaignForward::KeepRecords(ServerSource& source, const Journal& journal, 
   const auto keep = [&](const std::string& path, const std::string& sha256) {
     const std::filesystem::path file = folder_.root / path;
     const std::string name = path + ' ' + sha256;
-    if (sha256.empty() || kept_records_.contains(name) || told_.contains(name)) return;
+    if (sha256.empty() || stored_.contains(name) || told_.contains(name)) return;
     std::error_code missing;
     const std::uintmax_t bytes = std::filesystem::file_size(file, missing);
+    const bool is_known = kept_records_.contains(name);
+    // Of a record that was forwarded before the file may be gone here; the store may be another one, too.
+    if (missing && is_known) return;
     if (missing || !store_->Keep(file, sha256)) {
       told_.insert(name);
       done.troubles.push_back(fmt::format("{}: {}: not kept in the store", file.string(),
                                           missing ? "is missing" : "is not what the journal says of it"));
       return;
     }
+    stored_.insert(name);
+    if (is_known) return;
     Connect(source, journal);
     sender_.SendRecord(source.Get(), path, sha256, bytes);
-    kept_records_.insert(name);
     ++done.records;
   };
   for (const CycleRow& cycle : journal.Cycles()) {

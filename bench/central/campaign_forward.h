@@ -68,8 +68,9 @@ class CampaignForward {
   int connection_{};  // 0: none yet
   JournalMarks marks_;
   std::map<std::string, std::string> changing_;  // rows that may change, as the server has them
-  std::set<std::string> kept_records_;
-  std::set<std::string> told_;  // of damaged records
+  std::set<std::string> kept_records_;           // of which the server knows
+  std::set<std::string> stored_;                 // that this program has seen in the store
+  std::set<std::string> told_;                   // of damaged records
   std::optional<SentState> state_;
   std::int64_t state_sent_ms_{};
 };

@@ -64,12 +64,11 @@ FleetPlan PlanOf(const SubmitOptions& options, const PlanFolder& folder, const F
   }
   const PlanRequest request = RequestOf(options);
   const FleetPlan plan = MakePlan(request, program);
-  if (HasPlan(folder)) {
-    DemandSamePlan(folder, ReadPlan(folder), plan);
-  } else {
+  if (!HasPlan(folder)) {
     CheckValues(FleetCommandNamed(request.command), request.options, program);
     WritePlan(folder, plan);
   }
+  DemandSamePlan(folder, ReadPlan(folder), plan);
   return plan;
 }
 
@@ -148,7 +147,11 @@ int ShowStatus(const PlanOptions& options) {
 
 int Collect(const PlanOptions& options) {
   const PlanFolder folder = FolderOf(options.folder);
-  const Collected all = CollectResults(folder, ReadPlan(folder));
+  const FleetPlan plan = ReadPlan(folder);
+  std::vector<std::filesystem::path> targets{options.out};
+  if (!options.csv.empty()) targets.emplace_back(options.csv);
+  DemandTargets(folder, plan, targets);
+  const Collected all = CollectResults(folder, plan);
   daq::WriteFileAtomically(options.out, all.document.dump(1) + "\n");
   if (!options.csv.empty()) daq::WriteFileAtomically(options.csv, CsvOf(all.document));
   if (options.json) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -106,10 +107,12 @@ LimitShares SharesOf(const LifeOptions& options) {
     const std::size_t equals = text.find('=');
     const auto percent =
         equals == std::string::npos ? std::nullopt : daq::NumberFromText(text.substr(equals + 1));
-    if (!percent || !(*percent > 0.0) || *percent == 100.0)
+    if (!percent || !std::isfinite(*percent) || !(*percent > 0.0) || *percent == 100.0)
       Refuse("--limit", fmt::format("'{}' is no limit", text),
              "QUANTITY=PERCENT of its first value, such as k2_Nm_per_rad=80");
-    shares[text.substr(0, equals)] = *percent / 100.0;
+    const std::string quantity = text.substr(0, equals);
+    if (!shares.emplace(quantity, *percent / 100.0).second)
+      Refuse("--limit", fmt::format("{} has two limits", quantity), "one of each quantity");
   }
   return shares;
 }

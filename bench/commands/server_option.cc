@@ -59,6 +59,8 @@ std::vector<FetchedCampaign> FetchFromServer(const FromServer& from, const std::
   LeaveNoCore();
   CheckConninfo(from.conninfo);
   const CampaignQuery query = ParseCampaignQuery(from.query);
+  if (!from.store.empty() && !std::filesystem::is_directory(from.store))
+    Refuse(from.store, "is no folder", "the store that central forward --store has filled");
   Server server(from.conninfo);
   DemandSchema(server);
   const std::vector<FoundCampaign> found = FindCampaigns(server, query);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/fleet/collect.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -15,6 +17,8 @@
 
 namespace strainwave::bench {
 namespace {
+
+namespace fs = std::filesystem;
 
 using Document = nlohmann::ordered_json;
 using Row = std::vector<std::pair<std::string, Document>>;
@@ -107,6 +111,32 @@ std::string CellOf(const Document& value) {
 }
 
 }  // namespace
+
+void DemandTargets(const PlanFolder& folder, const FleetPlan& plan, const std::vector<fs::path>& targets) {
+  const fs::path working = plan.working_folder;
+  std::set<fs::path> rests_on;
+  const auto add = [&](const PlannedFile& file) {
+    rests_on.insert(fs::weakly_canonical(working / file.path));
+  };
+  for (const PlannedFile& file : plan.option_files) add(file);
+  for (const PlannedInput& input : plan.inputs) {
+    add(input.file);
+    for (const PlannedFile& file : input.beside) add(file);
+  }
+  const fs::path root = fs::weakly_canonical(folder.root);
+  std::set<fs::path> before;
+  for (const fs::path& target : targets) {
+    const fs::path whole = fs::weakly_canonical(fs::absolute(target));
+    if (target.empty() || (fs::exists(whole) && !fs::is_regular_file(whole)))
+      Refuse(target, "is no file", "the name of a file to write");
+    if (!fs::is_directory(whole.parent_path()))
+      Refuse(target, "its folder is not there", "a file in a folder that is");
+    if (!before.insert(whole).second) Refuse(target, "is named twice", "a file each for document and table");
+    if (rests_on.contains(whole)) Refuse(target, "is a file that the plan reads", "another one to write");
+    if (std::mismatch(root.begin(), root.end(), whole.begin(), whole.end()).first == root.end())
+      Refuse(target, "lies in the plan's folder", "a file beside it");
+  }
+}
 
 Collected CollectResults(const PlanFolder& folder, const FleetPlan& plan) {
   Collected all;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -16,6 +18,11 @@ struct Collected {
   std::size_t ended_badly{};  // a check failed
   std::size_t refused{};
 };
+
+/// Before anything is written. @throws BenchError for one that is no file, stands for another target, or on
+/// whose bytes the plan rests: its own files, records and what lies beside these.
+void DemandTargets(const PlanFolder& folder, const FleetPlan& plan,
+                   const std::vector<std::filesystem::path>& targets);
 
 /// Where, in how many shards and in what order they were computed leaves no trace in it. Sums are taken here,
 /// in the order of the plan.

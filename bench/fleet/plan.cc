@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/fleet/plan.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <numeric>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -146,9 +150,27 @@ FleetPlan MakePlan(const PlanRequest& request, const FleetProgram& program) {
 }
 
 void WritePlan(const PlanFolder& folder, const FleetPlan& plan) {
-  for (const auto& inside : {folder.Results(), folder.Failures(), folder.Shards(), folder.Logs()})
-    daq::MakeFolders(inside);
-  daq::WriteFileAtomically(folder.Plan(), FleetPlanJson(plan).dump(1) + "\n");
+  const std::array own{folder.Results(), folder.Failures(), folder.Shards(), folder.Logs()};
+  if (std::filesystem::exists(folder.root)) {
+    if (!std::filesystem::is_directory(folder.root))
+      Refuse(folder.root, "is no folder", "a folder of the plan");
+    for (const auto& entry : std::filesystem::directory_iterator(folder.root)) {
+      const bool is_own = std::ranges::find(own, entry.path()) != own.end() ||
+                          entry.path().filename().string().starts_with(".plan.json");
+      if (!is_own && entry.path() != folder.Plan())
+        Refuse(folder.root, "holds other files", "a folder for the plan alone, empty or not there yet");
+    }
+  }
+  for (const auto& inside : own) daq::MakeFolders(inside);
+  // A link fails where there is a plan by now: of two that are submitted at once, one is the plan.
+  const std::filesystem::path made = folder.root / fmt::format(".plan.json.{}", ::getpid());
+  daq::WriteFileAtomically(made, FleetPlanJson(plan).dump(1) + "\n");
+  std::error_code failure;
+  std::filesystem::create_hard_link(made, folder.Plan(), failure);
+  std::filesystem::remove(made);
+  if (failure && failure != std::errc::file_exists)
+    throw std::filesystem::filesystem_error("cannot make the plan", folder.Plan(), failure);
+  daq::SyncFolderOf(folder.Plan());
 }
 
 bool HasPlan(const PlanFolder& folder) { return std::filesystem::exists(folder.Plan()); }

@@ -67,7 +67,8 @@ struct PlanRequest {
 /// @throws BenchError, RecordError for what is no input or no option of the command.
 FleetPlan MakePlan(const PlanRequest& request, const FleetProgram& program);
 
-/// Writes a plan that is not there yet. @throws DataFileError.
+/// Writes a plan that is not there yet; where another program has meanwhile, that one stays.
+/// @throws DataFileError; BenchError for a folder that holds anything else.
 void WritePlan(const PlanFolder& folder, const FleetPlan& plan);
 
 bool HasPlan(const PlanFolder& folder);

@@ -38,6 +38,7 @@ std::string Comparable(const std::string& schedule) {
 struct ReadCampaign {
   CampaignLife life;
   std::string schedule;
+  std::uint64_t identity{};
 };
 
 ReadCampaign ReadOne(const std::string& path, const LifeSettings& settings, const LimitShares& shares,
@@ -47,7 +48,8 @@ ReadCampaign ReadOne(const std::string& path, const LifeSettings& settings, cons
   for (const std::string& warning : WarningsAbout(folder, journal)) warnings.push_back(warning);
   const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   ReadCampaign one{{path, inputs.schedule.specimen.identity, journal.LastCompleteCycle(), {}, {}},
-                   Comparable(inputs.schedule_text)};
+                   Comparable(inputs.schedule_text),
+                   journal.Identity()};
   const std::map<std::string, ResultSeries> all = ResultSeriesOf(journal);
   const std::optional<double> first_k2 = FirstK2_Nm_per_rad(journal);
   if (one.life.cycles < static_cast<int>(kFewestCyclesOfTrend))
@@ -121,10 +123,14 @@ CampaignsReport LivesOfCampaigns(const std::vector<std::string>& folders, const 
   CampaignsReport report;
   report.settings = settings;
   std::string schedule;
+  std::map<std::uint64_t, std::string> campaigns;  // folders by identity
   std::set<std::string> quantities;
   std::set<std::string> specimens;
   for (const std::string& folder : folders) {
     ReadCampaign one = ReadOne(folder, settings, shares, report.warnings);
+    const auto [same, is_new] = campaigns.emplace(one.identity, folder);
+    if (!is_new)
+      Refuse(folder, fmt::format("is the campaign of {} again", same->second), "each campaign once");
     if (report.campaigns.empty()) schedule = one.schedule;
     if (one.schedule != schedule) {
       if (!join)

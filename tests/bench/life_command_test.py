@@ -207,7 +207,7 @@ class Campaigns(unittest.TestCase):
         cls.folder = pathlib.Path(folder.name)
         schedule = pathlib.Path(__file__).resolve().parents[2] / "schedules/quick.yaml"
         (cls.folder / "short.yaml").write_text(schedule.read_text().replace("cycles: 12", "cycles: 2"))
-        for source, name in ((schedule, "a"), (cls.folder / "short.yaml", "short")):
+        for source, name in ((schedule, "a"), (schedule, "b"), (cls.folder / "short.yaml", "short")):
             subprocess.run([PROGRAM, "run", source, "--out", cls.folder / name], capture_output=True, check=True)
 
     def life(self, *arguments):
@@ -228,10 +228,15 @@ class Campaigns(unittest.TestCase):
         self.assertIn("not approached: no forecast", self.life("a", "--limit", "k2_Nm_per_rad=80").stdout)
 
     def test_one_specimen_twice_is_told(self):
-        self.assertIn("warning: a: specimen SIM-0001 is in two campaigns: it counts as two\n", self.life("a", "a").stderr)
+        self.assertIn("warning: b: specimen SIM-0001 is in two campaigns: it counts as two\n", self.life("a", "b").stderr)
 
     def test_what_is_no_trend_is_refused(self):
         for arguments, said in ((("short",), "short: error: has 2 complete cycles (expected 8 at least, for a trend)\n"),
+                                (("a", "./a"), "./a: error: is the campaign of a again (expected each campaign once)\n"),
+                                (("a", "--limit", "k2=80", "--limit", "k2=70"),
+                                 "--limit: error: k2 has two limits (expected one of each quantity)\n"),
+                                (("a", "--limit", "k2=inf"), "--limit: error: 'k2=inf' is no limit (expected QUANTITY=PERCENT "
+                                                             "of its first value, such as k2_Nm_per_rad=80)\n"),
                                 (("a", "--limit", "k9=80"), "a: error: has no results of k9 (expected a quantity of it; "
                                                             "strainwave table lists them)\n"),
                                 (("a", "--limit", "k2"), "--limit: error: 'k2' is no limit (expected QUANTITY=PERCENT of its "

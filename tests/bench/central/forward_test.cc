@@ -106,6 +106,20 @@ TEST_F(Forwarding, KeepsRecordsByWhatTheyHold) {
   EXPECT_EQ(ReadText(lab_->Fetched("fetched", &store).CycleFile(2)), "records of cycle 2");
 }
 
+// Of which the server knows long since: a store that was lost, or is another one, is filled again.
+TEST_F(Forwarding, FillsAStoreThatLacksRecords) {
+  campaign_->AddCycles(3);
+  auto order = lab_->Order(campaign_->folder());
+  order.settings.store = lab_->scratch / "first";
+  lab_->Forward(order);
+  order.settings.store = lab_->scratch / "second";
+  std::filesystem::remove(campaign_->folder().CycleFile(1));
+  const auto told = lab_->Forward(order);
+  EXPECT_EQ(told.size(), 1U) << told.front();
+  const std::string digest = Sha256("records of cycle 2");
+  EXPECT_EQ(WholeFile(order.settings.store / digest.substr(0, 2) / digest), "records of cycle 2");
+}
+
 TEST_F(Forwarding, MarksStampsOfAWrongClock) {
   campaign_->AddCycles(1);
   campaign_->RaiseAlarm("2026-12-01T10:00:00.000Z");

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/fleet/collect.h"
 #include "bench/fleet/fleet_command.h"
 #include "bench/fleet/plan_files.h"
 #include "bench/fleet/slurm.h"
@@ -176,6 +177,45 @@ TEST(FleetPlan, LetsACycleRestOnItsCampaign) {
 TEST(FleetSlurm, WritesNumbersOfTasksAsRanges) {
   EXPECT_EQ(ArrayText(std::vector<std::size_t>{0, 1, 2, 5, 7, 8}), "0-2,5,7-8");
   EXPECT_EQ(ArrayText(std::vector<std::size_t>{3}), "3");
+}
+
+TEST(FleetPlan, IsMadeInAFolderOfItsOwn) {
+  const FleetFolder folder;
+  FleetFolder::Write("a.csv", "one");
+  FleetFolder::Write("b.csv", "two");
+  std::filesystem::create_directory("records");
+  FleetFolder::Write("records/c.csv", "three");
+  const FleetPlan plan = MakePlan({"recompute", {"a.csv"}, {}, 1}, folder.program());
+  EXPECT_EQ(ToldBy([&] { WritePlan(folder.At("records"), plan); }),
+            "2 " + folder.Path("records") +
+                ": error: holds other files (expected a folder for the plan alone, empty or not there yet)");
+  EXPECT_EQ(ToldBy([&] { WritePlan(folder.At("a.csv"), plan); }),
+            "2 " + folder.Path("a.csv") + ": error: is no folder (expected a folder of the plan)");
+  EXPECT_FALSE(std::filesystem::exists("records/results"));
+  // Of two that are written at once the first one stays.
+  WritePlan(folder.At("plan"), plan);
+  WritePlan(folder.At("plan"), MakePlan({"recompute", {"b.csv"}, {}, 1}, folder.program()));
+  EXPECT_EQ(ReadPlan(folder.At("plan")).inputs.front().file.path, "a.csv");
+}
+
+TEST(FleetTargets, WritesOverNothingThatThePlanRestsOn) {
+  const FleetFolder folder;
+  FleetFolder::Write("a.csv", "one");
+  FleetFolder::Write("old.json", "{}");
+  const FleetPlan plan = folder.Planned("plan", {"a.csv"}, 1);
+  const auto told = [&](const std::vector<std::filesystem::path>& targets) {
+    return ToldBy([&] { DemandTargets(folder.At("plan"), plan, targets); });
+  };
+  EXPECT_EQ(told({"old.json", "new.csv"}), "nothing");
+  EXPECT_EQ(told({"new.json", "./a.csv"}),
+            "2 ./a.csv: error: is a file that the plan reads (expected another one to write)");
+  EXPECT_EQ(told({"r.json", "./r.json"}),
+            "2 ./r.json: error: is named twice (expected a file each for document and table)");
+  EXPECT_EQ(told({"plan/plan.json"}),
+            "2 plan/plan.json: error: lies in the plan's folder (expected a file beside it)");
+  EXPECT_EQ(told({"plan"}), "2 plan: error: is no file (expected the name of a file to write)");
+  EXPECT_EQ(told({"none/r.json"}),
+            "2 none/r.json: error: its folder is not there (expected a file in a folder that is)");
 }
 
 TEST(FleetSlurm, QuotesPathsForTheShell) {
