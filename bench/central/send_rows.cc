@@ -1,9 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Of CampaignSender: how each kind of row goes into its table. What the server has already is left as it is.
+#include <utility>
+
 #include "bench/central/campaign_sender.h"
 #include "bench/central/server_columns.h"
 
 namespace strainwave::bench {
+namespace {
+
+// How many rows the statement wrote. Its first parameters are `before`, a column each the others.
+std::int64_t WriteRows(Server& server, const char* statement, std::vector<ServerValue> before,
+                       const ServerColumns& columns) {
+  if (columns.count() == 0) return 0;
+  return server.Run(statement, columns.After(std::move(before))).affected();
+}
+
+}  // namespace
 
 std::int64_t CampaignSender::SendCycles(Server& server, const JournalBatch& batch) {
   ServerColumns columns;
@@ -11,8 +23,8 @@ std::int64_t CampaignSender::SendCycles(Server& server, const JournalBatch& batc
     columns.Integer(cycle.cycle).Text(cycle.outcome).Real(cycle.started_s).Real(cycle.ended_s);
     columns.Text(cycle.records_sha256).Text(cycle.phases).EndRow();
   }
-  if (columns.count() == 0) return 0;
-  const ServerRows written = server.Run(
+  return WriteRows(
+      server,
       "INSERT INTO strainwave.cycles AS c (month, bench_id, campaign_id, cycle, outcome, started_s, ended_s, "
       "records_sha256, phases) SELECT $1::date, $2::integer, $3::integer, s.cycle, s.outcome, s.started_s, "
       "s.ended_s, "
@@ -23,8 +35,7 @@ std::int64_t CampaignSender::SendCycles(Server& server, const JournalBatch& batc
       "(month, bench_id, campaign_id, cycle) DO UPDATE SET outcome = excluded.outcome, ended_s = "
       "excluded.ended_s, "
       "records_sha256 = excluded.records_sha256, phases = excluded.phases WHERE c.outcome <> 'complete'",
-      columns.After(PlaceAnd({})));
-  return written.affected();
+      PlaceAnd({}), columns);
 }
 
 std::int64_t CampaignSender::SendResults(Server& server, const JournalBatch& batch) {
@@ -37,8 +48,8 @@ std::int64_t CampaignSender::SendResults(Server& server, const JournalBatch& bat
     is_flagged ? columns.Texts(results.flags) : columns.Null();
     columns.EndRow();
   }
-  if (columns.count() == 0) return 0;
-  const ServerRows written = server.Run(
+  return WriteRows(
+      server,
       "INSERT INTO strainwave.result_rows (month, bench_id, campaign_id, cycle, repeat, quantity_set, "
       "result_values, "
       "standard_errors, flags) SELECT $1::date, $2::integer, $3::integer, s.cycle, s.repeat, s.quantity_set, "
@@ -46,8 +57,7 @@ std::int64_t CampaignSender::SendResults(Server& server, const JournalBatch& bat
       "unnest($4::integer[], $5::smallint[], $6::integer[], $7::text[], $8::text[], $9::text[]) AS s(cycle, "
       "repeat, "
       "quantity_set, result_values, standard_errors, flags) ON CONFLICT DO NOTHING",
-      columns.After(PlaceAnd({})));
-  return written.affected();
+      PlaceAnd({}), columns);
 }
 
 std::int64_t CampaignSender::SendAlarms(Server& server, const JournalBatch& batch) {
@@ -58,9 +68,9 @@ std::int64_t CampaignSender::SendAlarms(Server& server, const JournalBatch& batc
     columns.Integer(one.cycle).Text(one.raised_utc).Text(one.returned_utc).Text(one.acknowledged_by);
     columns.Text(alarm.row).EndRow();
   }
-  if (columns.count() == 0) return 0;
   // A stamp of a day to come is wrong, whatever the bench's clock says now; stamps of this form sort by time.
-  const ServerRows written = server.Run(
+  return WriteRows(
+      server,
       "INSERT INTO strainwave.alarms AS a (month, bench_id, campaign_id, number, code, alarm_text, priority, "
       "state, "
       "cycle, raised_utc, returned_utc, acknowledged_by, journal_row, clock_wrong) SELECT $1::date, "
@@ -80,8 +90,7 @@ std::int64_t CampaignSender::SendAlarms(Server& server, const JournalBatch& batc
       "state = excluded.state, returned_utc = excluded.returned_utc, acknowledged_by = "
       "excluded.acknowledged_by, "
       "journal_row = excluded.journal_row WHERE a.journal_row::text <> excluded.journal_row::text",
-      columns.After(PlaceAnd({ClockIsWrong()})));
-  return written.affected();
+      PlaceAnd({ClockIsWrong()}), columns);
 }
 
 std::int64_t CampaignSender::SendRows(Server& server, const JournalBatch& batch) {
@@ -89,8 +98,8 @@ std::int64_t CampaignSender::SendRows(Server& server, const JournalBatch& batch)
   for (const SentRow& row : batch.rows) {
     columns.Text(row.table).Integer(row.number).Text(row.key).Text(row.row).EndRow();
   }
-  if (columns.count() == 0) return 0;
-  const ServerRows written = server.Run(
+  return WriteRows(
+      server,
       "INSERT INTO strainwave.journal_rows AS j (month, bench_id, campaign_id, journal_table, number, key, "
       "journal_row) SELECT $1::date, $2::integer, $3::integer, s.journal_table::strainwave.journal_table, "
       "s.number, "
@@ -100,8 +109,7 @@ std::int64_t CampaignSender::SendRows(Server& server, const JournalBatch& batch)
       "UPDATE SET "
       "journal_row = excluded.journal_row WHERE j.number = 0 AND j.journal_row::text <> "
       "excluded.journal_row::text",
-      columns.After(PlaceAnd({})));
-  return written.affected();
+      PlaceAnd({}), columns);
 }
 
 }  // namespace strainwave::bench
