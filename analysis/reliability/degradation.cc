@@ -19,6 +19,7 @@ namespace {
 // (docs/sources.md#hd-csf-csg), ln 5 / 1.2816.
 constexpr double kPriorDeviation = 1.256;
 
+// With ten times and four times as many the ends of the intervals of six populations moved by 1 to 3 %.
 constexpr std::size_t kSharedDraws = 200;
 constexpr std::size_t kOwnDraws = 100;
 constexpr double kLongest = 1e4;      // lives longer than so many times what was seen count as that
@@ -84,8 +85,6 @@ struct Evidence {
   std::vector<ForeseenLife> lives;      // seen or forecast
   std::vector<double> suspended_after;  // ln(cycle)
 
-  // Of a life that is foreseen: ∫ N(u; mean, deviation²) exp(−(u − life.mean)²/(2 life.variance)) du, so that
-  // a draw of what is shared does not gain by leaving lives more certain.
   double LogLikelihood(double mean, double deviation) const {
     double sum = 0.0;
     for (const ForeseenLife& life : lives) {
@@ -121,6 +120,7 @@ void AddPosterior(const Evidence& evidence, std::vector<Weighed>& points) {
     square += ((life.mean - centre) * (life.mean - centre) + life.variance) / n;
   const double width = std::sqrt(square / n);
   const double end = std::asinh(kReach / width);
+  const std::size_t begin = points.size();
   for (int i = 0; i < kDeviations; ++i) {
     const double deviation = kSmallest * std::pow(kLargest / kSmallest, (i + 0.5) / kDeviations);
     const double z = deviation / kPriorDeviation;
@@ -132,6 +132,12 @@ void AddPosterior(const Evidence& evidence, std::vector<Weighed>& points) {
       points.push_back({mean, deviation, evidence.LogLikelihood(mean, deviation) - 0.5 * z * z + measure});
     }
   }
+  // Every draw of what is shared weighs the same: what specimens have shown tells nothing of what comes.
+  double most = -kNever;
+  for (std::size_t i = begin; i < points.size(); ++i) most = std::max(most, points[i].log_weight);
+  double sum = 0.0;
+  for (std::size_t i = begin; i < points.size(); ++i) sum += std::exp(points[i].log_weight - most);
+  for (std::size_t i = begin; i < points.size(); ++i) points[i].log_weight -= most + std::log(sum);
 }
 
 // Quantiles of a function of the points, at ascending shares.
