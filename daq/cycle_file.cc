@@ -32,8 +32,8 @@ Attributes WithFormat(const Attributes& attributes) {
 
 void SetUpHdf5() { const Hdf5Silence first_use; }
 
-void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const NamedRecord> records,
-                            const Attributes& attributes) {
+std::vector<std::byte> ImageOfRecords(std::span<const NamedRecord> records, const Attributes& attributes,
+                                      const std::filesystem::path& path, Packing packing) {
   if (records.empty()) throw std::invalid_argument(fmt::format("no record to write to '{}'", path.string()));
   std::set<std::string> groups;
   for (const NamedRecord& named : records) {
@@ -43,17 +43,22 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
     throw std::invalid_argument(fmt::format("two records have the group '{}'", PathOf(named.group)));
   }
   const Hdf5Silence silence;
-  std::vector<std::byte> image;
   try {
     const Hdf5Handle file = CreateHdf5InMemory();
     WriteFileAttributes(file.get(), WithFormat(attributes));
-    for (const NamedRecord& named : records) WriteRecordGroup(file.get(), PathOf(named.group), named.record);
-    image = ImageOfHdf5(file.get());
+    for (const NamedRecord& named : records) {
+      WriteRecordGroup(file.get(), PathOf(named.group), named.record, packing);
+    }
+    return ImageOfHdf5(file.get());
   } catch (const Hdf5Error& error) {
     throw DataFileError(std::make_error_code(std::errc::io_error),
                         fmt::format("cannot build ({}) the HDF5 file", error.what()), path.string());
   }
-  WriteFileAtomically(path, image);
+}
+
+void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const NamedRecord> records,
+                            const Attributes& attributes) {
+  WriteFileAtomically(path, ImageOfRecords(records, attributes, path, Packing::kPlain));
 }
 
 CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking,

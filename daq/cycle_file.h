@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -15,6 +16,10 @@ namespace strainwave::daq {
 /// Whether what is read must keep the rules of `record_rules.h`, or their bounds alone (a sensor that died is
 /// part of the raw record).
 enum class Checking { kRules, kNone };
+
+/// Whether values that become at most four fifths of their size are stored shuffled and deflated, which every
+/// HDF5 reads without a plug-in. The bits are the same.
+enum class Packing { kPlain, kDeflated };
 
 /// Names and texts in order; a text that is a number in its shortest form is stored as a number.
 using Attributes = std::vector<std::pair<std::string, std::string>>;
@@ -36,10 +41,15 @@ void SetUpHdf5();
 /// With the version of the format before them, as every file of records says it.
 Attributes WithFormat(const Attributes& attributes);
 
-/// Writes the records as one file that appears whole or not at all, also after a power cut. Values are not
-/// judged, so that whatever was measured can be stored. The same arguments give the same bytes.
+/// The bytes of a file of these records, of which `path` is told in errors alone. Values are not judged, so
+/// that whatever was measured can be stored. The same arguments give the same bytes.
 /// @throws std::invalid_argument if there is no record, two have one group, or one cannot be written (see
-///   `WriteRecordGroup`); DataFileError with the path and the errno of the step that failed.
+///   `WriteRecordGroup`); DataFileError with the path when HDF5 cannot build it.
+std::vector<std::byte> ImageOfRecords(std::span<const NamedRecord> records, const Attributes& attributes,
+                                      const std::filesystem::path& path, Packing packing);
+
+/// Writes that file, plain, so that it appears whole or not at all, also after a power cut.
+/// @throws as `ImageOfRecords`; DataFileError with the path and the errno of the step that failed.
 void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const NamedRecord> records,
                             const Attributes& attributes = {});
 

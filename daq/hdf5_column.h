@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "daq/cycle_file.h"
 #include "daq/record.h"
 
 /// Columns of a record as one-dimensional datasets.
@@ -15,7 +16,8 @@ namespace strainwave::daq {
 /// Writes the values in chunks with a Fletcher-32 checksum each, and the attributes `unit`, `sensor_serial`
 /// and `calibration` where there is something to say, and `sample_rate_hz` where it is given. @throws
 /// Hdf5Error.
-void WriteColumn(hid_t group, const Column& column, const std::optional<std::string>& sample_rate_hz);
+void WriteColumn(hid_t group, const Column& column, const std::optional<std::string>& sample_rate_hz,
+                 Packing packing = Packing::kPlain);
 
 /// Something in a dataset that keeps it from being a column.
 struct ColumnTrouble {

@@ -298,14 +298,14 @@ class GroupReader {
 
 }  // namespace
 
-void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& record) {
+void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& record, Packing packing) {
   DemandWritable(record, group_path);
   const Hdf5Silence silence;
   const Hdf5Handle group = OpenOrCreateGroup(file, group_path, 1 + record.metadata.size());
   WriteTextAttribute(group.get(), std::string(kKindName), std::string(record.kind.name()));
   for (const auto& [key, value] : record.metadata) WriteAttribute(group.get(), key, value);
   for (const Column& column : record.columns)
-    WriteColumn(group.get(), column, record.Metadata("sample_rate_hz"));
+    WriteColumn(group.get(), column, record.Metadata("sample_rate_hz"), packing);
 }
 
 std::vector<std::string> ListRecordGroups(hid_t file, bool nested) {

@@ -19,7 +19,8 @@ namespace strainwave::daq {
 /// Values are not judged, so that whatever was measured can be stored.
 /// @throws std::invalid_argument if the record has no kind, no rows, columns of unequal length, or a name
 ///   that HDF5 or the reader would take for something else; Hdf5Error.
-void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& record);
+void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& record,
+                      Packing packing = Packing::kPlain);
 
 /// Paths of all groups with an attribute `kind`, at any depth, the root among them, in the order of creation
 /// where the file keeps it and else by name. Soft and external links are not followed.

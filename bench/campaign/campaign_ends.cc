@@ -125,7 +125,7 @@ void CampaignRunner::WatchDisk() {
 
 void CampaignRunner::Watch() {
   SpareMemory::DemandKept();
-  held_.DemandInPlace();
+  held_.WatchInPlace();
   WatchDisk();
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <stdexcept>
 
@@ -20,6 +21,7 @@
 #include "bench/spare_memory.h"
 #include "bench/utc.h"
 #include "daq/cycle_file.h"
+#include "daq/whole_file.h"
 
 namespace strainwave::bench {
 namespace {
@@ -69,6 +71,7 @@ CampaignRunner::CampaignRunner(HeldFolder held, const schedules::Schedule& sched
       live_sources_(held_.wherever().Sources()),
       quality_(schedule, journal),
       identity_(journal.Identity()),
+      schedule_sha256_(journal.Property("schedule_sha256").value_or("")),
       records_(folder_, bench, machine.Calibrations(), identity_),
       preparation_s_(PlannedDuration_s(StepsOf(schedule, 0))),
       one_cycle_s_(PlannedDuration_s(StepsOf(schedule, 1))),
@@ -208,6 +211,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   Checkpoint at{.cycle = cycle_, .step = step.index, .repeat = repeat, .credited_load_s = credited_before_s};
   BeginRecording(step, repeat);
   // Before the journal's row: a phase that is on record has a state to go on from.
+  held_.DemandInPlace();
   TakeMemory();
   WriteCheckpoint(at, runner_.last_readings(), blank);
   checkpoint_.Sync();
@@ -220,12 +224,16 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   PhaseOutcome outcome = Move(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
+      held_.DemandInPlace();
       records_.WriteAhead(step, repeat, attempt, running.RecordsSoFar());
     }
-    // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there too.
-    if (step.accumulates) TakeMemory();
-    at.credited_load_s = now.credited_load_s;
-    WriteCheckpoint(at, now.readings, blank);
+    if (checkpoint_.IsDue()) {
+      // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there
+      // too.
+      if (step.accumulates) TakeMemory();
+      at.credited_load_s = now.credited_load_s;
+      WriteCheckpoint(at, now.readings, blank);
+    }
     Show(phase.name, ShareDone(cycle_, step, now.share_done));
   });
   WatchChannels(phase.name);
@@ -264,7 +272,6 @@ void CampaignRunner::TakeMemory() {
 }
 
 void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank) {
-  held_.DemandInPlace();
   checkpoint.time_s = Time_s();
   checkpoint.written = Now();
   // Between phases alone: in one, an encoder may be stuck already and not yet be known for it.
@@ -297,14 +304,31 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view pha
   return EndForFault(outcome, phase);
 }
 
+CampaignRunner::FileImage CampaignRunner::ImageOfCycle() const {
+  FileImage image;
+  if (records_.all().empty()) return image;
+  image.bytes = daq::ImageOfRecords(records_.all(),
+                                    {{"specimen", schedule_.specimen.identity},
+                                     {"cycle", std::to_string(cycle_)},
+                                     {"bench", bench_.name},
+                                     {"schedule_sha256", schedule_sha256_}},
+                                    folder_.CycleFile(cycle_), daq::Packing::kDeflated);
+  image.sha256 = Sha256({reinterpret_cast<const char*>(image.bytes.data()), image.bytes.size()});
+  return image;
+}
+
 CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>& steps) {
   held_.DemandInPlace();
   machine_.CycleMeasured(cycle_);
   machine_.TakePicture(folder_.CycleFile(cycle_).replace_extension(".jpg"));
   const CycleContext context = ContextOf(journal_, schedule_, bench_);
   StoredCycle stored;
+  FileImage image;
   for (int repeat = 0;; ++repeat) {
+    // Built beside the analysis, on another processor; what is measured again makes another one.
+    auto building = std::async(std::launch::async, [&] { return ImageOfCycle(); });
     stored = AnalyzeForStore(records_.all(), cycle_, context);
+    image = building.get();
     if (cycle_ == 0 || repeat == schedule_.measurements.retries) break;
     std::vector<std::string> warnings = stored.failed_checks;
     for (std::string& outlier : quality_.Outliers(stored.results)) warnings.push_back(std::move(outlier));
@@ -321,17 +345,9 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   for (const std::string& check : stored.failed_checks) {
     Note("warning", "", "failed_check", fmt::format("cycle {}: {}", cycle_, check));
   }
-  // Where nothing is prepared there is nothing to keep.
-  std::string records_sha256;
   held_.DemandInPlace();
-  if (!records_.all().empty()) {
-    daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_.all(),
-                                {{"specimen", schedule_.specimen.identity},
-                                 {"cycle", std::to_string(cycle_)},
-                                 {"bench", bench_.name},
-                                 {"schedule_sha256", journal_.Property("schedule_sha256").value_or("")}});
-    records_sha256 = Sha256OfFile(folder_.CycleFile(cycle_));
-  }
+  // Where nothing is prepared there is nothing to keep.
+  if (!image.bytes.empty()) daq::WriteFileAtomically(folder_.CycleFile(cycle_), image.bytes);
   held_.DemandInPlace();
   const std::vector<KeptFile> kept = FilesOfCycle(folder_, cycle_);
   {
@@ -342,7 +358,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
       journal_.AddResults(cycle_, static_cast<int>(i) + 1, stored.repeats[i]);
     }
     for (const Calibration& calibration : stored.calibrations) journal_.SetCalibration(calibration, UtcNow());
-    journal_.EndCycle(cycle_, Time_s(), "complete", records_sha256);
+    journal_.EndCycle(cycle_, Time_s(), "complete", image.sha256);
     for (const KeptFile& file : kept) journal_.AddFile(file.path, file.digest);
     KeepSampleTotals(journal_);
     transaction.Commit();

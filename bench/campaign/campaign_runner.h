@@ -56,6 +56,12 @@ class CampaignRunner {
  private:
   using MaybeEnd = std::optional<CampaignEnd>;
 
+  /// Of a cycle's file; nothing where there are no records.
+  struct FileImage {
+    std::vector<std::byte> bytes;
+    std::string sha256;
+  };
+
   void Transition(BenchEvent event);
   MaybeEnd Reference(double expected_offset_rad);
   MaybeEnd Unwind(double torque_Nm, double torque_zero_Nm);
@@ -78,6 +84,8 @@ class CampaignRunner {
   MaybeEnd RunCycle(int cycle);
   MaybeEnd RunStep(const CycleStep& step, int repeat);
   MaybeEnd RunAttempt(const CycleStep& step, int repeat, int attempt, double credited_before_s, bool& again);
+  /// Reads the records and nothing that changes meanwhile: for another thread.
+  FileImage ImageOfCycle() const;
   MaybeEnd StoreCycle(const std::vector<CycleStep>& steps);
   MaybeEnd EndForRequest(const PhaseOutcome& outcome, std::string_view phase = "");
   MaybeEnd EndForFault(const PhaseOutcome& outcome, std::string_view phase);
@@ -132,6 +140,7 @@ class CampaignRunner {
   double time_base_s_{};         // bench time of earlier runs
   std::chrono::nanoseconds clock_base_{};
   std::uint64_t identity_;  // of the campaign
+  std::string schedule_sha256_;
   CycleRecords records_;
   std::vector<SourceTotals> sources_;  // as the last records that were kept have left them
   double preparation_s_{};             // planned

@@ -2,11 +2,13 @@
 #include "bench/campaign/cycle_context.h"
 
 #include <map>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/blank_results.h"
+#include "bench/campaign/on_all_processors.h"
 #include "bench/campaign/quality.h"
 
 namespace strainwave::bench {
@@ -33,12 +35,15 @@ StoredCycle AnalyzePreparation(std::span<const NamedRecord> records, const Cycle
     if (repeat == 0) continue;
     repeats[repeat].push_back({named.group.substr(named.group.find('/') + 1), named.record});
   }
-  for (const auto& [repeat, repeat_records] : repeats) {
-    CycleAnalysis analysis = AnalyzeCycle(repeat_records, corrected);
-    for (const std::string& check : analysis.failed_checks) {
-      stored.failed_checks.push_back(fmt::format("repeat {}: {}", repeat, check));
+  const std::vector<std::pair<int, std::vector<NamedRecord>>> in_order(repeats.begin(), repeats.end());
+  std::vector<CycleAnalysis> analyses(in_order.size());
+  OnAllProcessors(in_order.size(),
+                  [&](std::size_t i) { analyses[i] = AnalyzeCycle(in_order[i].second, corrected); });
+  for (std::size_t i = 0; i < in_order.size(); ++i) {
+    for (const std::string& check : analyses[i].failed_checks) {
+      stored.failed_checks.push_back(fmt::format("repeat {}: {}", in_order[i].first, check));
     }
-    stored.repeats.push_back(std::move(analysis.results));
+    stored.repeats.push_back(std::move(analyses[i].results));
   }
   for (Calibration& gauge : RepeatabilityOf(stored.repeats)) stored.calibrations.push_back(std::move(gauge));
   return stored;

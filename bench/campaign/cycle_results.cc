@@ -11,6 +11,7 @@
 #include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/check_results.h"
 #include "bench/campaign/load_results.h"
+#include "bench/campaign/on_all_processors.h"
 #include "bench/campaign/rotation_results.h"
 
 namespace strainwave::bench {
@@ -96,9 +97,8 @@ std::string WithThermalFlag(std::string flag, const daq::Record& record, const C
                      context.declared_temperature_degC, context.temperature_tolerance_K);
 }
 
-void AddTransmissionError(const daq::Record& record, const CycleContext& context, CycleAnalysis& analysis) {
-  analysis.transmission_error = TransmissionErrorOf(record, context.corrections);
-  const analysis::TransmissionError& error = *analysis.transmission_error;
+void AddTransmissionError(const daq::Record& record, const analysis::TransmissionError& error,
+                          const CycleContext& context, CycleAnalysis& analysis) {
   Results results(analysis);
   const std::string flag =
       WithThermalFlag(results.Flag(error.failed_checks, "transmission error"), record, context);
@@ -116,6 +116,7 @@ void AddTransmissionError(const daq::Record& record, const CycleContext& context
   }
   if (error.lost_motion_rad)
     results.AddArcmin(quantities::kLostMotion, *error.lost_motion_rad, context, flag);
+  analysis.transmission_error = error;
 }
 
 // Mean of independent estimates.
@@ -131,15 +132,14 @@ Estimate MeanOf(std::span<const analysis::TorsionalStiffness> loops,
 }
 
 void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod method,
-                  const CycleContext& context, CycleAnalysis& analysis) {
-  std::vector<analysis::TorsionalStiffness> fits;
+                  std::span<const analysis::TorsionalStiffness> fits, const CycleContext& context,
+                  CycleAnalysis& analysis) {
   Results results(analysis);
   std::string flag;
   const bool main_method = method == context.method;
-  for (const daq::Record* loop : loops) {
-    fits.push_back(StiffnessOf(*loop, method, context.corrections));
-    // The other two are shown beside the chosen one; their checks are the same record's.
-    if (main_method) flag += results.Flag(fits.back().failed_checks, "hysteresis");
+  // The other two are shown beside the chosen one; their checks are the same record's.
+  if (main_method) {
+    for (const auto& fit : fits) flag += results.Flag(fit.failed_checks, "hysteresis");
   }
   if (main_method) flag = WithThermalFlag(std::move(flag), *loops.front(), context);
   std::string k_flag = flag;
@@ -158,21 +158,43 @@ void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod met
                     context, flag);
   results.AddArcmin(quantities::kHysteresisLostMotion,
                     MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad), context, flag);
-  analysis.stiffness = std::move(fits.front());
+  analysis.stiffness = fits.front();
   analysis.loop = loops.front();
+}
+
+// The context's method first.
+std::vector<StiffnessMethod> MethodsOf(const CycleContext& context) {
+  std::vector<StiffnessMethod> methods{context.method};
+  for (const StiffnessMethod method : analysis::kStiffnessMethods) {
+    if (method != context.method) methods.push_back(method);
+  }
+  return methods;
 }
 
 }  // namespace
 
 CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleContext& context) {
+  const auto sweeps = Counting(records, daq::RecordKind::kTransmissionError);
+  const auto loops = Counting(records, daq::RecordKind::kHysteresis);
+  const std::vector<StiffnessMethod> methods = MethodsOf(context);
+  // What takes long, on all processors; then everything in one order.
+  std::vector<analysis::TorsionalStiffness> fits(methods.size() * loops.size());
+  std::vector<analysis::TransmissionError> errors(sweeps.size());
+  OnAllProcessors(fits.size() + errors.size(), [&](std::size_t i) {
+    if (i < fits.size()) {
+      fits[i] = StiffnessOf(*loops[i % loops.size()], methods[i / loops.size()], context.corrections);
+    } else {
+      errors[i - fits.size()] = TransmissionErrorOf(*sweeps[i - fits.size()], context.corrections);
+    }
+  });
   CycleAnalysis analysis;
-  for (const daq::Record* record : Counting(records, daq::RecordKind::kTransmissionError)) {
-    AddTransmissionError(*record, context, analysis);
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    AddTransmissionError(*sweeps[i], errors[i], context, analysis);
   }
-  if (const auto loops = Counting(records, daq::RecordKind::kHysteresis); !loops.empty()) {
-    AddStiffness(loops, context.method, context, analysis);
-    for (const StiffnessMethod method : analysis::kStiffnessMethods) {
-      if (method != context.method) AddStiffness(loops, method, context, analysis);
+  if (!loops.empty()) {
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      AddStiffness(loops, methods[m], std::span(fits).subspan(m * loops.size(), loops.size()), context,
+                   analysis);
     }
     analysis.results.push_back({std::string(quantities::kGearTemperature.name),
                                 Mean(loops.front()->Doubles("temperature_degC")), 0.0, ""});

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 namespace strainwave::bench {
 
@@ -10,5 +11,19 @@ namespace strainwave::bench {
 /// done. After an exception no further task is begun; the first one is thrown again here. A task may call it
 /// in turn.
 void OnAllProcessors(std::size_t count, const std::function<void(std::size_t)>& task);
+
+/// While it lives, `OnAllProcessors` uses at most so many threads: for a program that locks its memory, the
+/// stack of each of them too (bench/realtime/realtime.h).
+class ProcessorLimit {
+ public:
+  explicit ProcessorLimit(std::size_t most);
+  ProcessorLimit(const ProcessorLimit&) = delete;
+  ProcessorLimit& operator=(const ProcessorLimit&) = delete;
+  ~ProcessorLimit();
+
+ private:
+  struct Control;
+  std::unique_ptr<Control> control_;
+};
 
 }  // namespace strainwave::bench

@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <stdexcept>
+#include <thread>
 
 namespace strainwave::bench::on_all_processors_test {
 namespace {
@@ -52,6 +53,14 @@ TEST(OnAllProcessors, ThrowsAgainWhatATaskThrew) {
   } catch (const std::runtime_error& error) {
     EXPECT_STREQ(error.what(), "no. 17");
   }
+}
+
+TEST(ProcessorLimit, HoldsWhileItLives) {
+  const ProcessorLimit one(1);
+  const std::thread::id here = std::this_thread::get_id();
+  std::atomic<int> elsewhere{0};
+  OnAllProcessors(1000, [&](std::size_t) { elsewhere += std::this_thread::get_id() == here ? 0 : 1; });
+  EXPECT_EQ(elsewhere, 0);
 }
 
 }  // namespace

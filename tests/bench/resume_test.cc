@@ -212,11 +212,21 @@ TEST_F(CutCampaign, HasEveryBeatOfARealSecondOnTheDisk) {
   EXPECT_FALSE(writer.Write({}, {}, now - std::chrono::microseconds(600'000)));
 }
 
+TEST_F(CutCampaign, HasABeatOfAFastSimulationEvery5Milliseconds) {
+  CheckpointWriter writer(folder_.Checkpoint());
+  const std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
+  EXPECT_TRUE(writer.IsDue(now));
+  writer.Write({}, {}, now);
+  EXPECT_FALSE(writer.IsDue(now + std::chrono::microseconds(4'999)));
+  EXPECT_TRUE(writer.IsDue(now + std::chrono::milliseconds(5)));
+}
+
 TEST_F(CutCampaign, IsExtendedByCyclesAloneAndSaysSoInItsJournal) {
   Leave({.time_s = 30.0});
   const CampaignInputs longer = Given("cycles: 3", "cycles: 12");
   const auto refusal = [&](const CampaignInputs& given) {
-    return Refusal([&] { PrepareResume(folder_, given, journal_, {.by = "a person", .accept_pause = true}); });
+    return Refusal(
+        [&] { PrepareResume(folder_, given, journal_, {.by = "a person", .accept_pause = true}); });
   };
   EXPECT_EQ(
       refusal(longer),

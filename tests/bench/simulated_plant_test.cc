@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
+#include "bench/devices/simulated/turn_table.h"
 #include "tests/bench/causes_helpers.h"
 
 namespace strainwave::bench::simulated_plant_test {
@@ -21,6 +22,20 @@ PlantCommands AtSpeed(double speed_rad_per_s, double load_Nm) {
 model::PlantParameters Undisturbed() {
   return Nominal(
       {"load_motor_ripple", "load_unbalance", "motor_cogging", "position_periodic_friction", "output_drag"});
+}
+
+TEST(PhasorAtTurns, IsSineAndCosineOfAnyTurn) {
+  for (int i = -2000; i <= 2000; ++i) {
+    const double turns = 0.00137 * i + (i % 3 == 0 ? 70'000.0 : 0.0);
+    const TurnPhasor phasor = PhasorAtTurns(turns);
+    // What a share of so many turns is known to.
+    const double within = 1e-15 + 4e-16 * std::abs(turns) * kTwoPi;
+    const double angle_rad = kTwoPi * (turns - std::floor(turns));
+    EXPECT_NEAR(phasor.sine, std::sin(angle_rad), within) << turns;
+    EXPECT_NEAR(phasor.cosine, std::cos(angle_rad), within) << turns;
+  }
+  EXPECT_EQ(PhasorAtTurns(1.0).sine, 0.0);
+  EXPECT_EQ(PhasorAtTurns(std::nextafter(1.0, 0.0)).cosine, 1.0);
 }
 
 TEST(GearPlant, WindsUpAsTheSpringSaysWhenLocked) {

@@ -9,6 +9,7 @@
 #include "daq/cycle_file.h"
 #include "daq/read_records.h"
 #include "daq/record_error.h"
+#include "daq/whole_file.h"
 #include "tests/daq/run_python.h"
 #include "tests/daq/sample_records.h"
 #include "tests/daq/scratch_folder.h"
@@ -60,6 +61,28 @@ assert torque[:].tobytes() == np.array([-0.0, 5e-324, -34.5]).tobytes()
 assert dict(torque.attrs) == {'unit': b'Nm', 'sensor_serial': b'0815', 'calibration': b'T-2024-11'}
 x = accel['accel_x_m_per_s2']
 assert x.dtype == np.float32 and x.attrs['unit'] == b'm/s^2' and x.attrs['sample_rate_hz'] == 25600.0
+)");
+  EXPECT_EQ(result.status, 0) << result.output;
+}
+
+TEST_F(H5pyTest, ReadsWhatWeDeflate) {
+  Record loop = SampleLoop();
+  loop.columns.clear();
+  for (const char* name : {"time_s", "torque_Nm", "output_angle_deg"}) {
+    std::vector<double> values(100'000);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i) / 64.0;
+    loop.columns.push_back({name, std::move(values), "", ""});
+  }
+  WriteFileAtomically(folder_ / "a.h5", ImageOfRecords(std::vector<NamedRecord>{{"loop", loop}}, {}, "a.h5",
+                                                       Packing::kDeflated));
+  const PythonResult result = RunPython(folder_, R"(
+import h5py, numpy as np, os
+loop = h5py.File('a.h5')['loop']
+for name in 'time_s', 'torque_Nm', 'output_angle_deg':
+    column = loop[name]
+    assert column.compression == 'gzip' and column.shuffle and column.fletcher32, name
+    assert column[:].tobytes() == (np.arange(100000) / 64).tobytes(), name
+assert os.path.getsize('a.h5') < 600000, os.path.getsize('a.h5')
 )");
   EXPECT_EQ(result.status, 0) << result.output;
 }

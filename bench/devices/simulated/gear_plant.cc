@@ -91,7 +91,10 @@ void GearPlant::PrepareFactors(StepFactors& factors, double step_s) const noexce
 
 template <bool kExtended>
 GearPlant::AtAngle GearPlant::Evaluate(double input_rad) noexcept {
-  const model::GearPhasors phasors = model::PhasorsAt(input_rad, inverse_ratio_);
+  const double turns = input_rad * (1.0 / kTwoPi);
+  const TurnPhasor input = PhasorAtTurns(turns);
+  const TurnPhasor output = PhasorAtTurns(turns * inverse_ratio_);
+  const model::GearPhasors phasors{input.sine, input.cosine, output.sine, output.cosine};
   const model::InputHarmonics harmonics = model::HarmonicsOf(phasors);
   const model::KinematicValue error =
       kExtended ? model::EvaluateDamagedKinematicError(kinematic_, phasors, harmonics)
