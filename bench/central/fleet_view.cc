@@ -15,22 +15,33 @@ using nlohmann::json;
 
 constexpr int kMostCompared = 200;
 
-// What is looked for may be in the names of a campaign; where nothing is, these are joined to the rows of one
-// page alone.
-constexpr const char* kFindInNames =
-    "LEFT JOIN strainwave.campaigns f ON f.campaign_id = s.campaign_id AND f.bench_id = s.bench_id WHERE "
-    "strpos(lower(b.name), $1) > 0 OR strpos(lower(f.specimen), $1) > 0 OR strpos(lower(f.schedule_name), "
-    "$1) > 0";
+// Where something is looked for it may be in the names of a campaign as well; where nothing is, those are
+// joined to the rows of one page alone.
+constexpr const char* kFindInNames = R"sql(
+  LEFT JOIN strainwave.campaigns f ON f.campaign_id = s.campaign_id AND f.bench_id = s.bench_id
+  WHERE strpos(lower(b.name), $1) > 0 OR strpos(lower(f.specimen), $1) > 0 OR strpos(lower(f.schedule_name), $1) > 0)sql";
 
-std::string ShownBenches(const std::string& find) {
-  return fmt::format(
-      "SELECT b.name, s.*, CASE WHEN s.bench_id IS NULL THEN 'never seen' WHEN s.state = 'running' AND "
-      "s.arrived < "
-      "now() - interval '15 minutes' THEN 'silent' ELSE s.state END AS shown_state FROM strainwave.benches b "
-      "LEFT JOIN "
-      "strainwave.bench_states s USING (bench_id) {}",
-      find.empty() ? "" : kFindInNames);
-}
+// Every bench once, narrow; counted by state and put in order, of which the rows of one page are widened. One
+// row with the counts alone where a page has none.
+constexpr const char* kBenchesOfAPage = R"sql(
+WITH shown AS MATERIALIZED (
+  SELECT b.bench_id, b.name, CASE WHEN s.bench_id IS NULL THEN 'never seen'
+      WHEN s.state = 'running' AND s.arrived < now() - interval '15 minutes' THEN 'silent' ELSE s.state END AS shown_state,
+    s.open_alarms > 0 OR s.clock_wrong AS is_noted
+  FROM strainwave.benches b LEFT JOIN strainwave.bench_states s USING (bench_id) {find}),
+ranked AS (
+  SELECT *, CASE WHEN shown_state IN ('faulted', 'interrupted', 'silent', 'unreadable') THEN 0 WHEN is_noted THEN 1
+      WHEN shown_state = 'running' THEN 2 ELSE 3 END AS rank
+  FROM shown {state} ORDER BY rank, name COLLATE "C" LIMIT {most} OFFSET {from}),
+page AS (
+  SELECT name, shown_state, c.specimen, c.schedule_name, phase, cycle, cycles, complete, open_alarms, last_alarm,
+    last_alarm_utc, extract(epoch FROM now() - s.arrived), clock_wrong, clock_off_s, rank
+  FROM ranked LEFT JOIN strainwave.bench_states s USING (bench_id)
+  LEFT JOIN strainwave.campaigns c ON c.campaign_id = s.campaign_id AND c.bench_id = s.bench_id)
+SELECT page.*, states FROM
+  (SELECT json_object_agg(shown_state, benches) AS states FROM
+    (SELECT shown_state, count(*) AS benches FROM shown GROUP BY 1) x) y LEFT JOIN page ON true
+ORDER BY rank, name COLLATE "C")sql";
 
 std::string LowerCase(std::string text) {
   for (char& letter : text) {
@@ -69,35 +80,23 @@ std::string EndOf(const std::string& which, const char* direction) {
 
 json BenchesJson(Server& server, const BenchesAsked& asked) {
   const std::string find = LowerCase(asked.find);
-  json states = json::object();
   std::vector<ServerValue> values;
   if (!find.empty()) values.emplace_back(find);
-  const ServerRows counts = server.Run(
-      fmt::format("SELECT shown_state, count(*) FROM ({}) x GROUP BY 1 ORDER BY 1", ShownBenches(find)),
-      values);
-  std::int64_t count = 0;
-  for (int i = 0; i < counts.count(); ++i) {
-    states[counts.Text(i, 0)] = counts.Integer(i, 1);
-    if (asked.state.empty() || asked.state == counts.View(i, 0)) count += counts.Integer(i, 1);
-  }
-  constexpr const char* kWantsALook =
-      "CASE WHEN shown_state IN ('faulted', 'interrupted', 'silent', 'unreadable') THEN 0 WHEN open_alarms > "
-      "0 OR "
-      "clock_wrong THEN 1 WHEN shown_state = 'running' THEN 2 ELSE 3 END, name COLLATE \"C\"";
   if (!asked.state.empty()) values.emplace_back(asked.state);
   const ServerRows rows = server.Run(
       fmt::format(
-          "SELECT name, shown_state, c.specimen, c.schedule_name, phase, cycle, cycles, complete, "
-          "open_alarms, "
-          "last_alarm, last_alarm_utc, extract(epoch FROM now() - y.arrived), clock_wrong, clock_off_s FROM "
-          "(SELECT * FROM ({}) x {} ORDER BY {} LIMIT {} OFFSET {}) y LEFT JOIN strainwave.campaigns c ON "
-          "c.campaign_id = y.campaign_id AND c.bench_id = y.bench_id ORDER BY {}",
-          ShownBenches(find),
-          asked.state.empty() ? "" : fmt::format("WHERE shown_state = ${}", values.size()), kWantsALook,
-          asked.most, asked.from, kWantsALook),
+          fmt::runtime(kBenchesOfAPage), fmt::arg("find", find.empty() ? "" : kFindInNames),
+          fmt::arg("state", asked.state.empty() ? "" : fmt::format("WHERE shown_state = ${}", values.size())),
+          fmt::arg("most", asked.most), fmt::arg("from", asked.from)),
       values);
+  constexpr int kStates = 15;
+  json states = rows.IsNull(0, kStates) ? json::object() : json::parse(rows.View(0, kStates));
+  std::int64_t count = 0;
+  for (const auto& [state, benches] : states.items()) {
+    if (asked.state.empty() || asked.state == state) count += benches.get<std::int64_t>();
+  }
   json benches = json::array();
-  for (int i = 0; i < rows.count(); ++i) {
+  for (int i = 0; i < rows.count() && !rows.IsNull(i, 0); ++i) {
     benches.push_back({{"bench", rows.Text(i, 0)},
                        {"state", rows.Text(i, 1)},
                        {"specimen", TextOrNull(rows, i, 2)},
