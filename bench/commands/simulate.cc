@@ -17,6 +17,7 @@
 #include "bench/diagnosis/make_study.h"
 #include "bench/diagnosis/simulate_record.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/records/look_at_samples.h"
 #include "bench/records/record_reader.h"
 #include "bench/records/write_record.h"
@@ -56,6 +57,7 @@ daq::Record ReadLike(const SimulateOptions& options, StudyKind kind) {
 int SimulateStudy(const SimulateOptions& options) {
   if (!options.model.empty())
     Refuse("simulate", fmt::format("both a model, {}, and --study are given", options.model), "one of them");
+  DemandOutputFolder(options.out);
   ShareLine line;
   const auto progress = [&](std::size_t done, std::size_t all) {
     line.Show(fmt::format("record {} of {}", done, all),
@@ -98,6 +100,7 @@ int Simulate(const SimulateOptions& options) {
   }
   record.SetMetadata("simulated_model", options.model);
   record.SetMetadata("simulated_seed", std::to_string(options.seed));
+  DemandOutputFolder(std::filesystem::absolute(options.out).parent_path());
   WriteRecords({&record, 1}, options.out);
   const std::string sha256 = Sha256(ReadText(options.out));
   if (options.json) {
