@@ -8,6 +8,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/errors/bench_error.h"
+#include "bench/text.h"
+
 namespace strainwave::bench {
 namespace {
 
@@ -32,13 +35,6 @@ std::string ShownBenches(const std::string& find) {
       find.empty() ? "" : kFindInNames);
 }
 
-std::string LowerCase(std::string text) {
-  for (char& letter : text) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-  }
-  return text;
-}
-
 json TextOrNull(const ServerRows& rows, int row, int column) {
   return rows.IsNull(row, column) ? json() : json(rows.Text(row, column));
 }
@@ -51,6 +47,14 @@ json RealOrNull(const ServerRows& rows, int row, int column) {
 
 json IntegerOrNull(const ServerRows& rows, int row, int column) {
   return rows.IsNull(row, column) ? json() : json(rows.Integer(row, column));
+}
+
+void DemandQuantity(Server& server, const std::string& quantity) {
+  const ServerRows known =
+      server.Run("SELECT 1 FROM strainwave.quantity_sets WHERE $1 = ANY(names) LIMIT 1", {quantity});
+  if (known.count() > 0) return;
+  Refuse("quantity", fmt::format("the server has no results of '{:.80}'", quantity),
+         "one of /api/v1/quantities");
 }
 
 std::string EndOf(const std::string& which, const char* direction) {
@@ -118,6 +122,7 @@ json BenchesJson(Server& server, const BenchesAsked& asked) {
 }
 
 json ComparisonJson(Server& server, const std::string& quantity, const CampaignQuery& query) {
+  DemandQuantity(server, quantity);
   // The quantity is $1 and comes again behind the query's own values, which begin with $1 in its words.
   std::vector<ServerValue> values{quantity};
   values.insert(values.end(), query.values.begin(), query.values.end());
