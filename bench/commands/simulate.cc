@@ -85,6 +85,8 @@ int Simulate(const SimulateOptions& options) {
   if (options.model.empty())
     Refuse("simulate", "neither MODEL nor --study is given",
            "a model, such as motion, or the name of a data set");
+  if (const std::filesystem::path folder = std::filesystem::path(options.out).parent_path(); !folder.empty())
+    DemandOutputFolder(folder);
   const RunnableModel model = ReadRunnableModel(options.model, options.corrections);
   const bool alike = !options.like.empty();
   const daq::Record like = alike ? ReadLike(options, model.kind) : ExcitationFor(model);
@@ -100,7 +102,6 @@ int Simulate(const SimulateOptions& options) {
   }
   record.SetMetadata("simulated_model", options.model);
   record.SetMetadata("simulated_seed", std::to_string(options.seed));
-  DemandOutputFolder(std::filesystem::absolute(options.out).parent_path());
   WriteRecords({&record, 1}, options.out);
   const std::string sha256 = Sha256(ReadText(options.out));
   if (options.json) {

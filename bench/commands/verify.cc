@@ -13,7 +13,6 @@
 #include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
-#include "bench/errors/output_path.h"
 #include "bench/escaped.h"
 #include "bench/integrity/campaign_integrity.h"
 #include "bench/integrity/salvage.h"
@@ -168,7 +167,6 @@ void PrintSalvage(const std::string& out, const SalvageNote& note) {
 }
 
 int Verify(const VerifyOptions& options) {
-  if (!options.salvage.empty()) DemandOutputFolder(options.salvage);
   const CampaignFolder folder{options.folder};
   if (!options.salvage.empty()) DemandPlaceToSalvage(folder, options.salvage);
   ShareLine line;

@@ -51,6 +51,10 @@ TEST_F(CentralCommand, PathsThatCannotBeAreWrongInput) {
             fmt::format("2 {}: error: is no folder (expected a folder, there or to be made)", File()));
   EXPECT_EQ(Said({"report", "--from-server", admin_, "--out", none}),
             fmt::format("2 {}: error: its folder is not there (expected a file in a folder that is)", none));
+  const std::string longest(300, 'a');
+  EXPECT_EQ(
+      Said({"central", "fetch", "--server", admin_, "--out", lab_->scratch / "out", "--store", longest}),
+      fmt::format("2 {}: error: File name too long (expected another path)", longest));
   EXPECT_EQ(Said({"central", "list", "--server", "service=nope"}),
             "2 service=nope: error: definition of service \"nope\" not found (expected a service of "
             "~/.pg_service.conf, or options that libpq knows)");
@@ -83,6 +87,9 @@ TEST_F(CentralCommand, ACampaignOfTwoBenchesCountsOnce) {
   EXPECT_NE(listed.find(fmt::format("  hall-3-{} again: life and report leave it out\n", identity)),
             listed.npos)
       << listed;
+  const ProgramResult json = RunProgram({"central", "list", "--server", admin_, "--json"});
+  EXPECT_NE(json.out.find(fmt::format("\"same_as\": \"hall-3-{}\"", identity)), json.out.npos) << json.out;
+  EXPECT_NE(json.out.find("\"same_as\": null"), json.out.npos) << json.out;
   const std::string told = fmt::format(
       "hall-4-{0}: is the campaign hall-3-{0} again, forwarded by another bench: left out", identity);
   const ProgramResult life = RunProgram({"life", "--from-server", admin_, "--json"});

@@ -28,6 +28,7 @@ TEST(PageAway, AnswersAllThoughTheServerSaysNothing) {
         << answer.body;
   }
   EXPECT_EQ(Asked(page.port(), "/").status, 200);
+  Until([&] { return silent.connections() > 0; });
   EXPECT_EQ(silent.connections(), 1);
 }
 
