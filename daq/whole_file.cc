@@ -45,9 +45,12 @@ class PartialFile {
   void LetGo() { owned_ = false; }
 
  private:
+  // Some file systems number a file anew each time that it is asked for: there the name must do.
+  static constexpr int kMostLooks = 100;
+
   // False where another one writes it at this moment.
   bool Take() {
-    while (true) {
+    for (int looks = 1;; ++looks) {
       file_ = FileDescriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
       if (!file_.is_open()) throw DataFileError(LastError(), "cannot create", path_.string());
       // A file system without locks has none to hold.
@@ -55,10 +58,9 @@ class PartialFile {
       struct stat held {};
       struct stat named {};
       // Since it was opened its writer may have given it its place: by this name there is another, or none.
-      if (::fstat(file_.get(), &held) != 0 || ::stat(path_.c_str(), &named) != 0 ||
-          held.st_dev != named.st_dev || held.st_ino != named.st_ino) {
-        continue;
-      }
+      const bool is_named = ::fstat(file_.get(), &held) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+                            held.st_dev == named.st_dev && held.st_ino == named.st_ino;
+      if (!is_named && looks < kMostLooks) continue;
       owned_ = true;
       if (held.st_size > 0 && ::ftruncate(file_.get(), 0) != 0)
         throw DataFileError(LastError(), "cannot create", path_.string());

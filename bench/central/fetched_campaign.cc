@@ -5,7 +5,7 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 
-#include <algorithm>
+#include <cerrno>
 #include <map>
 #include <optional>
 #include <system_error>
