@@ -31,6 +31,15 @@ std::string Text(fmt::format_string<T...> format, T&&... values) {
   return fmt::vformat(format, fmt::make_format_args(Shown(values)...));
 }
 
+/// A to Z as a to z; all else is as it was, letters beyond ASCII, too.
+inline std::string LowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& letter : lower) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return lower;
+}
+
 }  // namespace strainwave::bench
 
 template <>

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,22 +24,52 @@ namespace {
   throw RecordError(path.string(), LastError().message(), "a record file");
 }
 
-// Removes the partial file on every way out but success.
+// Empty, and one writer's alone: the kernel lets go of its lock when the writer ends, however it ends.
+// Removed on every way out but success.
 class PartialFile {
  public:
-  explicit PartialFile(const std::filesystem::path& target)
-      : path_(target.parent_path() / fmt::format(".{}.partial", target.filename().string())) {}
+  explicit PartialFile(const std::filesystem::path& target) {
+    const std::string name = target.filename().string();
+    path_ = target.parent_path() / fmt::format(".{}.partial", name);
+    for (int others = 0; !Take();) path_.replace_filename(fmt::format(".{}.{}.partial", name, ++others));
+  }
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
   ~PartialFile() {
+    // While the lock is still held.
     if (owned_) ::unlink(path_.c_str());
   }
 
   const std::filesystem::path& path() const { return path_; }
-  void set_owned(bool owned) { owned_ = owned; }
+  int descriptor() const { return file_.get(); }
+  void LetGo() { owned_ = false; }
 
  private:
+  // Some file systems number a file anew each time that it is asked for: there the name must do.
+  static constexpr int kMostLooks = 100;
+
+  // False where another one writes it at this moment.
+  bool Take() {
+    for (int looks = 1;; ++looks) {
+      file_ = FileDescriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
+      if (!file_.is_open()) throw DataFileError(LastError(), "cannot create", path_.string());
+      // A file system without locks has none to hold.
+      if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+      struct stat held {};
+      struct stat named {};
+      // Since it was opened its writer may have given it its place: by this name there is another, or none.
+      const bool is_named = ::fstat(file_.get(), &held) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+                            held.st_dev == named.st_dev && held.st_ino == named.st_ino;
+      if (!is_named && looks < kMostLooks) continue;
+      owned_ = true;
+      if (held.st_size > 0 && ::ftruncate(file_.get(), 0) != 0)
+        throw DataFileError(LastError(), "cannot create", path_.string());
+      return true;
+    }
+  }
+
   std::filesystem::path path_;
+  FileDescriptor file_{-1};
   bool owned_ = false;
 };
 
@@ -80,17 +111,18 @@ std::string ReadWholeFile(const std::filesystem::path& path) {
 
 void WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   PartialFile partial(path);
-  FileDescriptor file(::open(partial.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.is_open()) throw DataFileError(LastError(), "cannot create", partial.path().string());
-  partial.set_owned(true);
-  WriteAll(file.get(), bytes, partial.path());
+  WriteAll(partial.descriptor(), bytes, partial.path());
   // An fsync error is reported once and then forgotten by the kernel: it is final for this file.
-  if (::fsync(file.get()) != 0) throw DataFileError(LastError(), "cannot sync", partial.path().string());
-  if (file.Close() != 0) throw DataFileError(LastError(), "cannot close", partial.path().string());
+  if (::fsync(partial.descriptor()) != 0)
+    throw DataFileError(LastError(), "cannot sync", partial.path().string());
+  // What close() would say, while the lock is still held.
+  FileDescriptor copy(::dup(partial.descriptor()));
+  if (copy.is_open() && copy.Close() != 0)
+    throw DataFileError(LastError(), "cannot close", partial.path().string());
   if (::rename(partial.path().c_str(), path.c_str()) != 0) {
     throw DataFileError(LastError(), "cannot rename the finished file to", path.string());
   }
-  partial.set_owned(false);
+  partial.LetGo();
   SyncFolderOf(path);
 }
 

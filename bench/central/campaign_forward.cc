@@ -155,29 +155,29 @@ void CampaignForward::KeepRecords(ServerSource& source, const Journal& journal, 
   const auto keep = [&](const std::string& path, const std::string& sha256) {
     const std::filesystem::path file = folder_.root / path;
     const std::string name = path + ' ' + sha256;
-    if (sha256.empty() || stored_.contains(name) || told_.contains(name)) return;
+    if (done_.contains(name)) return;
     std::error_code missing;
     const std::uintmax_t bytes = std::filesystem::file_size(file, missing);
     const bool is_known = kept_records_.contains(name);
     // Of a record that was forwarded before the file may be gone here; the store may be another one, too.
     if (missing && is_known) return;
     if (missing || !store_->Keep(file, sha256)) {
-      told_.insert(name);
+      done_.insert(name);
       done.troubles.push_back(fmt::format("{}: {}: not kept in the store", file.string(),
                                           missing ? "is missing" : "is not what the journal says of it"));
       return;
     }
-    stored_.insert(name);
-    if (is_known) return;
-    Connect(source, journal);
-    sender_.SendRecord(source.Get(), path, sha256, bytes);
-    ++done.records;
+    if (!is_known) {
+      Connect(source, journal);
+      sender_.SendRecord(source.Get(), path, sha256, bytes);
+      ++done.records;
+    }
+    done_.insert(name);
   };
-  for (const CycleRow& cycle : journal.Cycles()) {
-    if (cycle.outcome == "complete")
-      keep(fmt::format("cycles/{:06d}.h5", cycle.cycle), journal.RecordsSha256(cycle.cycle));
-  }
-  for (const auto& [path, digest] : journal.Files()) keep(path, digest.sha256);
+  JournalFileMarks marks = looked_at_;
+  for (const JournalFile& file : FilesAfter(journal.database(), marks)) keep(file.path, file.sha256);
+  looked_at_ = marks;
+  done_.clear();
 }
 
 }  // namespace strainwave::bench

@@ -69,8 +69,8 @@ class CampaignForward {
   JournalMarks marks_;
   std::map<std::string, std::string> changing_;  // rows that may change, as the server has them
   std::set<std::string> kept_records_;           // of which the server knows
-  std::set<std::string> stored_;                 // that this program has seen in the store
-  std::set<std::string> told_;                   // of damaged records
+  JournalFileMarks looked_at_;                   // files whose records are in the store, or told of
+  std::set<std::string> done_;                   // the same of those beyond, until a look has come to its end
   std::optional<SentState> state_;
   std::int64_t state_sent_ms_{};
 };

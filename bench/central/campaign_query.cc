@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/central/campaign_query.h"
 
+#include <map>
 #include <sstream>
 
 #include <fmt/core.h>
@@ -28,6 +29,23 @@ std::string PatternOf(const std::string& word) {
     pattern += letter == '*' ? '%' : letter == '?' ? '_' : letter;
   }
   return pattern;
+}
+
+bool Outdoes(const FoundCampaign& one, const FoundCampaign& other) {
+  if (one.complete != other.complete) return one.complete > other.complete;
+  return std::stoll(one.campaign_id) < std::stoll(other.campaign_id);
+}
+
+void MarkCopies(std::vector<FoundCampaign>& found) {
+  std::map<std::string, const FoundCampaign*> counts;
+  for (const FoundCampaign& one : found) {
+    const FoundCampaign*& best = counts[one.identity];
+    if (best == nullptr || Outdoes(one, *best)) best = &one;
+  }
+  for (FoundCampaign& one : found) {
+    const FoundCampaign* const best = counts[one.identity];
+    if (best != &one) one.same_as = best->Name();
+  }
 }
 
 }  // namespace
@@ -75,6 +93,7 @@ std::vector<FoundCampaign> FindCampaigns(Server& server, const CampaignQuery& qu
                      rows.Text(i, 5), rows.Text(i, 6), rows.Text(i, 7), static_cast<int>(rows.Integer(i, 8)),
                      rows.Truth(i, 9)});
   }
+  MarkCopies(found);
   return found;
 }
 

@@ -29,12 +29,16 @@ struct FoundCampaign {
   std::string started_utc;
   int complete{};    // cycles, at the server
   bool caught_up{};  // nothing was left when it was last forwarded
+  /// Of a copy of a campaign that was found, too, and counts: its name. Empty: it counts itself.
+  std::string same_as{};
 
   /// "hall-3-0f12ab34": of a folder.
   std::string Name() const { return bench + '-' + identity.substr(0, 8); }
 };
 
-/// By bench, then by when they were begun; at most so many. @throws ServerError.
+/// By bench, then by when they were begun; at most so many. Where several benches have forwarded copies of
+/// one campaign's folder, the one with the most cycles counts; of equals, that which came first.
+/// @throws ServerError.
 std::vector<FoundCampaign> FindCampaigns(Server& server, const CampaignQuery& query, int most = 1000);
 
 }  // namespace strainwave::bench

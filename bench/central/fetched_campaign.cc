@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/central/fetched_campaign.h"
 
-#include <cmath>
-#include <limits>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <map>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
@@ -12,7 +17,9 @@
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
 #include "bench/central/journal_rows.h"
+#include "bench/errors/output_path.h"
 #include "bench/json_text.h"
+#include "daq/file_descriptor.h"
 #include "daq/synced_folder.h"
 #include "daq/whole_file.h"
 
@@ -21,14 +28,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMostNamed = 10;  // files that are missing; of more, how many
 constexpr const char* kFetchOf = "WHERE month = $1 AND bench_id = $2 AND campaign_id = $3";
 
-// Gone again unless it is given its place.
+[[noreturn]] void RefuseTaken(const fs::path& place) {
+  Refuse(place, "is there already", "another folder, or none of that name");
+}
+
+// Of one program at a time, and gone again unless it is given its place. What a killed one has left is taken
+// over: the kernel lets go of its lock.
 class PartialFolder {
  public:
-  explicit PartialFolder(fs::path folder) : folder_(std::move(folder)) {
-    fs::remove_all(folder_);
+  explicit PartialFolder(const fs::path& place)
+      : place_(place), folder_(place.parent_path() / ("." + place.filename().string() + ".partial")) {
     daq::MakeFolders(folder_);
+    lock_ = daq::FileDescriptor(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!IsOurs()) {
+      folder_.clear();
+      Refuse(place_, "another program fetches it at this moment", "that to be done, or another folder");
+    }
+    for (const auto& left : fs::directory_iterator(folder_)) fs::remove_all(left.path());
+    if (!fs::exists(place_)) return;
+    fs::remove_all(folder_);
+    RefuseTaken(place_);
   }
   PartialFolder(const PartialFolder&) = delete;
   PartialFolder& operator=(const PartialFolder&) = delete;
@@ -37,14 +59,30 @@ class PartialFolder {
     if (!folder_.empty()) fs::remove_all(folder_, gone);
   }
   const fs::path& path() const { return folder_; }
-  void Place(const fs::path& as) {
-    fs::rename(folder_, as);
+  void Place() {
+    std::error_code failure;
+    fs::rename(folder_, place_, failure);
+    if (failure == std::errc::directory_not_empty || failure == std::errc::file_exists) RefuseTaken(place_);
+    if (failure) throw fs::filesystem_error("cannot place", folder_, place_, failure);
     folder_.clear();
-    daq::SyncFolderOf(as);
+    daq::SyncFolderOf(place_);
   }
 
  private:
+  // A file system without locks leaves it to whoever fetches.
+  bool IsOurs() const {
+    if (!lock_.is_open()) return false;
+    if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+    // By its name it may have got its place meanwhile, or be a later one.
+    struct stat held {};
+    struct stat named {};
+    return ::fstat(lock_.get(), &held) == 0 && ::stat(folder_.c_str(), &named) == 0 &&
+           held.st_dev == named.st_dev && held.st_ino == named.st_ino;
+  }
+
+  fs::path place_;
   fs::path folder_;
+  daq::FileDescriptor lock_{-1};
 };
 
 void BindJson(Statement& statement, const nlohmann::json& value) {
@@ -117,25 +155,32 @@ class Fetch {
     return bytes;
   }
 
-  int Records(const RecordStore& store, const CampaignFolder& folder, std::vector<std::string>& warnings) {
+  // Those that the journal has, and those of the server that it does not know.
+  void Records(const RecordStore& store, const CampaignFolder& folder, const std::vector<JournalFile>& known,
+               FetchedCampaign& fetched) {
+    std::map<std::string, std::string> files;
     const ServerRows rows = server_.Run(
         fmt::format(
             "SELECT DISTINCT ON (path) path, sha256 FROM strainwave.records {} ORDER BY path, arrived DESC",
             kFetchOf),
         here_);
-    int records = 0;
-    for (int i = 0; i < rows.count(); ++i) {
+    for (int i = 0; i < rows.count(); ++i) files[rows.Text(i, 0)] = rows.Text(i, 1);
+    for (const JournalFile& file : known) files[file.path] = file.sha256;
+    for (const auto& [name, sha256] : files) {
       // A row of the server must not lead out of the folder.
-      const fs::path path = fs::path(rows.Text(i, 0)).lexically_normal();
+      const fs::path path = fs::path(name).lexically_normal();
       if (path.is_absolute() || path.empty() || *path.begin() == "..") continue;
       daq::MakeFolders((folder.root / path).parent_path());
-      if (store.Fetch(rows.Text(i, 1), folder.root / path)) {
-        ++records;
-      } else {
-        warnings.push_back(fmt::format("{}: the store has it not, or damaged", path.string()));
+      if (store.Fetch(sha256, folder.root / path)) {
+        ++fetched.records;
+      } else if (++fetched.missing <= kMostNamed) {
+        fetched.warnings.push_back(fmt::format("{}: the store has it not, or damaged", path.string()));
       }
     }
-    return records;
+    if (fetched.missing > kMostNamed) {
+      fetched.warnings.push_back(
+          fmt::format("{} more files: the store has them not, or damaged", fetched.missing - kMostNamed));
+    }
   }
 
  private:
@@ -186,18 +231,31 @@ class Fetch {
 
 }  // namespace
 
+void DemandFetchPlace(const fs::path& into, const std::vector<FoundCampaign>& campaigns) {
+  if (into.empty()) Refuse("--out", "is empty", "a folder for campaigns");
+  DemandOutputFolder(into);
+  const fs::path whole = fs::absolute(into).lexically_normal();
+  for (fs::path above = whole; above.has_relative_path(); above = above.parent_path()) {
+    const CampaignFolder folder{above};
+    if (fs::exists(folder.Journal()) && fs::exists(folder.Schedule()))
+      Refuse(into, "is a campaign's folder, or lies in one", "a folder for campaigns, one below it for each");
+  }
+  for (const FoundCampaign& one : campaigns) {
+    if (fs::exists(into / one.Name())) RefuseTaken(into / one.Name());
+  }
+}
+
 FetchedCampaign FetchCampaign(Server& server, const FoundCampaign& campaign, const fs::path& into,
                               const RecordStore* store) {
-  FetchedCampaign fetched{into / campaign.Name(), campaign.complete, 0, {}};
-  if (fs::exists(fetched.folder))
-    Refuse(fetched.folder, "is there already", "another folder, or none of that name");
-  daq::MakeFolders(into);
-  PartialFolder partial(into / ("." + campaign.Name() + ".partial"));
+  FetchedCampaign fetched{into / campaign.Name(), campaign.complete, 0, 0, {}};
+  DemandFetchPlace(into, {campaign});
+  PartialFolder partial(fetched.folder);
   const CampaignFolder folder{partial.path()};
   // All of one moment, whatever is forwarded meanwhile.
   ServerTransaction transaction(server);
   server.Execute("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ READ ONLY");
   Fetch fetch(server, campaign);
+  std::vector<JournalFile> files;
   {
     Journal journal = Journal::Create(folder.Journal());
     fetch.WriteJournal(journal);
@@ -213,11 +271,17 @@ FetchedCampaign FetchCampaign(Server& server, const FoundCampaign& campaign, con
       }
       daq::WriteFileAtomically(frozen.file, *bytes);
     }
+    JournalFileMarks from_the_first;
+    files = FilesAfter(journal.database(), from_the_first);
   }
   if (!campaign.caught_up)
     fetched.warnings.push_back("is being forwarded: its last rows may be missing, and its chain be cut");
-  if (store != nullptr) fetched.records = fetch.Records(*store, folder, fetched.warnings);
-  partial.Place(fetched.folder);
+  if (!campaign.same_as.empty()) {
+    fetched.warnings.push_back(
+        fmt::format("is the campaign {} again, forwarded by another bench", campaign.same_as));
+  }
+  if (store != nullptr) fetch.Records(*store, folder, files, fetched);
+  partial.Place();
   return fetched;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -15,9 +16,13 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/central/away_server.h"
 #include "bench/central/fleet_files.h"
 #include "bench/central/fleet_view.h"
 #include "bench/central/schema.h"
+#include "bench/central/server_columns.h"
+#include "bench/errors/bench_error.h"
+#include "bench/escaped.h"
 #include "bench/page/http_text.h"
 #include "bench/page/page_gate.h"
 #include "bench/serving/http_exchange.h"
@@ -41,7 +46,16 @@ std::string ValueOf(const httplib::Params& parameters, const std::string& name) 
   return found == parameters.end() ? "" : found->second;
 }
 
+// PostgreSQL has no text that is none, and would be asked in vain.
+void DemandTexts(const httplib::Params& parameters) {
+  for (const auto& [name, value] : parameters) {
+    if (ServerText(name) != name || ServerText(value) != value)
+      Refuse(Escaped(name), "is no text", "UTF-8 without the character zero");
+  }
+}
+
 nlohmann::json AnswerOf(Server& server, const std::string& path, const httplib::Params& parameters) {
+  DemandTexts(parameters);
   if (path == "/api/v1/quantities") return QuantitiesJson(server);
   if (path == "/api/v1/comparison") {
     return ComparisonJson(server, ValueOf(parameters, "quantity"),
@@ -75,7 +89,10 @@ const StaticFile* FindFleetFile(const std::string& path) {
 class FleetServer::FleetPages : public httplib::Server, public RequestProtocol {
  public:
   explicit FleetPages(FleetSettings settings)
-      : settings_(std::move(settings)), gate_("127.0.0.1", {}), worker_(kMostWaiting, Worker::AtEnd::kDrop) {
+      : settings_(std::move(settings)),
+        gate_("127.0.0.1", {}),
+        away_(settings_.first_wait),
+        worker_(kMostWaiting, Worker::AtEnd::kDrop) {
     set_default_headers({AnswerHeaders().begin(), AnswerHeaders().end()});
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       Route(request, response);
@@ -113,9 +130,22 @@ class FleetServer::FleetPages : public httplib::Server, public RequestProtocol {
     return {.bytes = exchange.answer(), .closes = true};
   }
 
-  std::vector<Delivery> Deliveries(Time) override {
+  std::vector<Delivery> Deliveries(Time now) override {
     const std::lock_guard lock(mutex_);
+    std::erase_if(waiting_, [&](const auto& one) {
+      if (now - one.second < settings_.answer_within) return false;
+      const std::string words = fmt::format(
+          "{}: error: no answer for {:.3g} s (expected one in time; it is waited for, and asked again)",
+          ShownConninfo(settings_.conninfo), std::chrono::duration<double>(settings_.answer_within).count());
+      away_.Overdue(words);
+      finished_.push_back({one.first, HttpAnswer(503, kFleetJson, ErrorJson(words)), true});
+      return true;
+    });
     return std::exchange(finished_, {});
+  }
+  void Left(ClientId client) override {
+    const std::lock_guard lock(mutex_);
+    waiting_.erase(client);
   }
 
   std::string LastWords(Refusal) override {
@@ -145,44 +175,91 @@ class FleetServer::FleetPages : public httplib::Server, public RequestProtocol {
       Refused(response, 404,
               fmt::format("there is no {:.80} here (expected / or /api/v1/benches, comparison, quantities)",
                           request.path));
-    } else if (worker_.Post([this, client = caller_.id, target = request.target, path = request.path,
-                             parameters = request.params] { AskServer(client, target, path, parameters); })) {
-      waits_ = true;
     } else {
-      Refused(response, 503, "too many ask at once (expected: ask again later)");
+      Wait(request, response);
     }
   }
 
-  // In the worker's thread.
+  void Wait(const httplib::Request& request, httplib::Response& response) {
+    const Time now = std::chrono::steady_clock::now();
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto why = away_.WhyNot(now)) return Refused(response, 503, *why);
+      waiting_[caller_.id] = now;
+    }
+    waits_ = worker_.Post([this, client = caller_.id, target = request.target, path = request.path,
+                           parameters = request.params] { AskServer(client, target, path, parameters); });
+    if (waits_) return;
+    Left(caller_.id);
+    Refused(response, 503, "too many ask at once (expected: ask again later)");
+  }
+
+  // From here on in the worker's thread.
   void AskServer(ClientId client, const std::string& target, const std::string& path,
                  const httplib::Params& parameters) {
     const Time now = std::chrono::steady_clock::now();
     std::erase_if(kept_, [&](const auto& one) { return now - one.second.asked > kFresh; });
-    if (const auto found = kept_.find(target); found != kept_.end()) {
-      return Finish(client, HttpAnswer(200, kFleetJson, found->second.body));
+    if (const auto found = kept_.find(target); found != kept_.end())
+      return Finish(client, 200, found->second.body);
+    {
+      const std::lock_guard lock(mutex_);
+      // It has left, or is answered already.
+      if (!waiting_.contains(client)) return;
+      if (const auto why = away_.WhyNot(now)) return FinishLocked(client, 503, ErrorJson(*why));
+      away_.Ask();
     }
     try {
-      if (!postgres_) {
-        postgres_ = std::make_unique<bench::Server>(settings_.conninfo, [this] { return ends_.load(); });
-        DemandSchema(*postgres_);
-      }
+      Connect();
       const std::string body = JsonText(AnswerOf(*postgres_, path, parameters)) + "\n";
       kept_[target] = {now, body};
-      Finish(client, HttpAnswer(200, kFleetJson, body));
+      Answered(client, 200, body);
     } catch (const ServerError& error) {
       postgres_.reset();
-      Finish(client, HttpAnswer(503, kFleetJson, ErrorJson(error.what())));
+      error.kind() == ServerError::Kind::kAway ? Failed(client, error.what())
+                                               : Answered(client, 503, ErrorJson(error.what()));
+    } catch (const NotConnected& error) {
+      Failed(client, error.what());
     } catch (const BenchError& error) {
-      Finish(client, HttpAnswer(400, kFleetJson, ErrorJson(error.what())));
+      Answered(client, 400, ErrorJson(error.what()));
     } catch (const std::exception& error) {
       postgres_.reset();
-      Finish(client, HttpAnswer(500, kFleetJson, ErrorJson(error.what())));
+      Answered(client, 500, ErrorJson(error.what()));
     }
   }
 
-  void Finish(ClientId client, std::string bytes) {
+  // A server that refuses this role, or has other tables, is as good as away: somebody has to put it right.
+  struct NotConnected : std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+  void Connect() {
+    if (postgres_) return;
+    try {
+      auto server = std::make_unique<bench::Server>(
+          settings_.conninfo, [this] { return ends_.load(); }, settings_.patience);
+      DemandSchema(*server);
+      postgres_ = std::move(server);
+    } catch (const BenchError& error) {
+      throw NotConnected(error.what());
+    }
+  }
+
+  void Answered(ClientId client, int status, const std::string& body) {
     const std::lock_guard lock(mutex_);
-    finished_.push_back({client, std::move(bytes), true});
+    away_.Answered();
+    FinishLocked(client, status, body);
+  }
+  void Failed(ClientId client, const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    away_.Failed(why, std::chrono::steady_clock::now());
+    FinishLocked(client, 503, ErrorJson(why));
+  }
+  void Finish(ClientId client, int status, const std::string& body) {
+    const std::lock_guard lock(mutex_);
+    FinishLocked(client, status, body);
+  }
+  void FinishLocked(ClientId client, int status, const std::string& body) {
+    if (waiting_.erase(client) == 0) return;
+    finished_.push_back({client, HttpAnswer(status, kFleetJson, body), true});
     if (tcp_ != nullptr) tcp_->Wake();
   }
 
@@ -190,9 +267,11 @@ class FleetServer::FleetPages : public httplib::Server, public RequestProtocol {
   const PageGate gate_;
   Caller caller_;  // whose request is answered
   bool waits_{};
-  std::mutex mutex_;  // of the two below
+  std::mutex mutex_;  // of the four below
   TcpServer* tcp_{};
+  std::map<ClientId, Time> waiting_;  // since when
   std::vector<Delivery> finished_;
+  AwayServer away_;
   std::atomic<bool> ends_{};
   // Of the worker's thread.
   std::unique_ptr<bench::Server> postgres_;

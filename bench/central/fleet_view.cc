@@ -8,6 +8,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/errors/bench_error.h"
+#include "bench/text.h"
+
 namespace strainwave::bench {
 namespace {
 
@@ -43,13 +46,6 @@ SELECT page.*, states FROM
     (SELECT shown_state, count(*) AS benches FROM shown GROUP BY 1) x) y LEFT JOIN page ON true
 ORDER BY rank, name COLLATE "C")sql";
 
-std::string LowerCase(std::string text) {
-  for (char& letter : text) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-  }
-  return text;
-}
-
 json TextOrNull(const ServerRows& rows, int row, int column) {
   return rows.IsNull(row, column) ? json() : json(rows.Text(row, column));
 }
@@ -62,6 +58,14 @@ json RealOrNull(const ServerRows& rows, int row, int column) {
 
 json IntegerOrNull(const ServerRows& rows, int row, int column) {
   return rows.IsNull(row, column) ? json() : json(rows.Integer(row, column));
+}
+
+void DemandQuantity(Server& server, const std::string& quantity) {
+  const ServerRows known =
+      server.Run("SELECT 1 FROM strainwave.quantity_sets WHERE $1 = ANY(names) LIMIT 1", {quantity});
+  if (known.count() > 0) return;
+  Refuse("quantity", fmt::format("the server has no results of '{:.80}'", quantity),
+         "one of /api/v1/quantities");
 }
 
 std::string EndOf(const std::string& which, const char* direction) {
@@ -117,6 +121,7 @@ json BenchesJson(Server& server, const BenchesAsked& asked) {
 }
 
 json ComparisonJson(Server& server, const std::string& quantity, const CampaignQuery& query) {
+  DemandQuantity(server, quantity);
   // The quantity is $1 and comes again behind the query's own values, which begin with $1 in its words.
   std::vector<ServerValue> values{quantity};
   values.insert(values.end(), query.values.begin(), query.values.end());

@@ -21,7 +21,7 @@ class ForwardRounds {
  public:
   ForwardRounds(const ForwardOrder& order, const std::function<bool()>& is_to_end,
                 const std::function<void(const std::string&)>& tell)
-      : order_(order), is_to_end_(is_to_end), tell_(tell), source_(order.conninfo, is_to_end) {
+      : order_(order), is_to_end_(is_to_end), tell_(tell), source_(order.conninfo, is_to_end, order.server) {
     for (const std::string& folder : order.folders) campaigns_.push_back({{{folder}, order.settings}});
   }
 
@@ -32,11 +32,14 @@ class ForwardRounds {
         if (!order_.follow) return !trouble_;
         WaitFor(order_.round_s);
       } catch (const ServerError& error) {
-        if (error.kind() == ServerError::Kind::kStopped && order_.follow) return true;
-        if (error.kind() != ServerError::Kind::kAway) throw;
-        Away(error);
+        const bool is_stopped = error.kind() == ServerError::Kind::kStopped;
+        if (error.kind() == ServerError::Kind::kRefused) throw;
+        if (!is_stopped && !is_to_end_()) Away(error);
       }
-      if (order_.follow && is_to_end_()) return true;
+      if (!is_to_end_()) continue;
+      if (order_.follow) return true;
+      throw BenchError(ExitCode::kInterrupted,
+                       "stopped on request; what is not forwarded stays in the campaign's folder");
     }
   }
 
@@ -67,7 +70,6 @@ class ForwardRounds {
     }
     if (attempt_ > 0) tell_("the server is there again");
     attempt_ = 0;
-    away_s_ = 0.0;
     source_.Close();
   }
 
@@ -90,16 +92,17 @@ class ForwardRounds {
 
   void Away(const ServerError& error) {
     source_.Close();
-    ++attempt_;
+    const auto now = std::chrono::steady_clock::now();
+    if (++attempt_ == 1) away_since_ = now;
     const double wait_s =
         order_.first_wait_s * WaitsBeforeAttempt(attempt_, std::uniform_real_distribution(0.0, 1.0)(random_));
-    if (!order_.follow && away_s_ + wait_s > order_.patience_s) throw error;
+    const double away_s = std::chrono::duration<double>(now - away_since_).count();
+    if (!order_.follow && away_s + wait_s > order_.patience_s) throw error;
     // Once each time that it goes away, not at each attempt.
     if (attempt_ == 1) {
       tell_(fmt::format("{}; what is not forwarded stays in the campaign's folder, and it is tried again",
                         error.what()));
     }
-    away_s_ += wait_s;
     WaitFor(wait_s);
   }
 
@@ -115,7 +118,7 @@ class ForwardRounds {
   ServerSource source_;
   std::mt19937 random_{std::random_device()()};
   int attempt_{};
-  double away_s_{};
+  std::chrono::steady_clock::time_point away_since_;
   bool trouble_{};
 };
 

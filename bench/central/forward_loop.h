@@ -14,9 +14,10 @@ struct ForwardOrder {
   std::string conninfo;
   ForwardSettings settings;
   bool follow{};        // goes on until it is asked to end
-  double patience_s{};  // that a server may be away at a time, without follow
+  double patience_s{};  // without follow: how long a server may be away, attempts included
   double first_wait_s{1.0};
-  double round_s{15.0};  // between two looks at the campaigns
+  double round_s{15.0};   // between two looks at the campaigns
+  ServerPatience server;  // within one attempt
 };
 
 /// How long to wait before the next attempt: from 1 s on twice as long each time, a minute at most, and by
@@ -30,9 +31,8 @@ double WaitsBeforeAttempt(int attempt, double chance);
 /// @param is_to_end  asked several times a second.
 /// @param tell  takes a sentence for people.
 /// @return whether everything was brought; with `follow` it returns when it is asked to end.
-/// @throws ServerError where the server refuses, is away for longer than the order's patience, or whoever
-/// waits is
-///   asked to end; without `follow` as OpenCampaign.
+/// @throws ServerError where the server refuses, or is away for longer than the order's patience; without
+///   `follow` as OpenCampaign, and BenchError (exit code 130) where it is asked to end before all is brought.
 bool RunForward(const ForwardOrder& order, const std::function<bool()>& is_to_end,
                 const std::function<void(const std::string&)>& tell);
 

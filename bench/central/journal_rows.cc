@@ -175,4 +175,29 @@ JournalBatch ReadBatch(const Journal& journal, const JournalMarks& marks, int mo
   return batch;
 }
 
+std::vector<JournalFile> FilesAfter(const Database& database, JournalFileMarks& marks) {
+  std::vector<JournalFile> files;
+  if (HasDigests(database)) {
+    Statement cycles = database.Prepare(
+        "SELECT cycle, records_sha256 FROM cycles WHERE cycle > ? AND outcome = 'complete' ORDER BY cycle");
+    cycles.Bind(marks.cycle);
+    while (cycles.Step()) {
+      marks.cycle = static_cast<int>(cycles.Integer(0));
+      files.push_back({fmt::format("cycles/{:06d}.h5", marks.cycle), cycles.Text(1)});
+    }
+  }
+  if (ColumnsOf(database, "files") > 0) {
+    Statement others = database.Prepare("SELECT id, path, sha256 FROM files WHERE id > ? ORDER BY id");
+    others.Bind(marks.file);
+    std::map<std::string, std::string> last;
+    while (others.Step()) {
+      marks.file = others.Integer(0);
+      last[others.Text(1)] = others.Text(2);
+    }
+    for (const auto& [path, sha256] : last) files.push_back({path, sha256});
+  }
+  std::erase_if(files, [](const JournalFile& file) { return file.sha256.empty(); });
+  return files;
+}
+
 }  // namespace strainwave::bench

@@ -64,6 +64,18 @@ struct JournalBatch {
   bool IsEmpty() const { return cycles.empty() && results.empty() && alarms.empty() && rows.empty(); }
 };
 
+/// A file of a campaign, as its journal has it.
+struct JournalFile {
+  std::string path;  // from the campaign's folder on
+  std::string sha256;
+};
+
+/// How far the files of a journal have been looked at.
+struct JournalFileMarks {
+  int cycle{-1};  // last complete one
+  std::int64_t file{};
+};
+
 /// Tables whose rows are only ever added, by number, and those whose rows change, by name.
 std::span<const std::string_view> GrowingTables();
 std::span<const std::string_view> NamedTables();
@@ -74,5 +86,10 @@ int ColumnsOf(const Database& database, std::string_view table);
 /// properties, calibrations and the cycle under way is always in it. Reads one moment of the journal and lets
 /// go of it, so that a run beside it is not kept from tidying its write-ahead log. @throws DatabaseError.
 JournalBatch ReadBatch(const Journal& journal, const JournalMarks& marks, int most_cycles);
+
+/// Raw records of complete cycles and the other files that the journal has after the marks, which move on to
+/// its end. Of a file that is registered anew the last one counts; those without a digest are left out.
+/// @throws DatabaseError.
+std::vector<JournalFile> FilesAfter(const Database& database, JournalFileMarks& marks);
 
 }  // namespace strainwave::bench

@@ -11,6 +11,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/errors/output_path.h"
 #include "bench/sha256.h"
 #include "daq/synced_folder.h"
 
@@ -57,7 +58,10 @@ bool CopyWhole(const fs::path& from, const fs::path& to, const std::string& sha2
 
 }  // namespace
 
-RecordStore::RecordStore(fs::path folder) : folder_(std::move(folder)) { daq::MakeFolders(folder_); }
+RecordStore::RecordStore(fs::path folder) : folder_(std::move(folder)) {
+  DemandOutputFolder(folder_);
+  daq::MakeFolders(folder_);
+}
 
 fs::path RecordStore::PathOf(const std::string& sha256) const {
   return folder_ / sha256.substr(0, 2) / sha256;

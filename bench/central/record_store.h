@@ -10,7 +10,8 @@ namespace strainwave::bench {
 /// once, whichever bench or campaign they come from; a file is there whole or not at all, and never changed.
 class RecordStore {
  public:
-  /// Makes the folder where it is missing. @throws std::system_error, daq::DataFileError.
+  /// Makes the folder where it is missing. @throws BenchError (exit code 2) where it cannot be one;
+  ///   std::system_error, daq::DataFileError.
   explicit RecordStore(std::filesystem::path folder);
 
   /// Copies a file into the store, unless its bytes are there.

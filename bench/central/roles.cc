@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "bench/accounts/random_bytes.h"
+#include "bench/errors/output_path.h"
 
 namespace strainwave::bench {
 namespace {
@@ -81,6 +82,7 @@ std::string MakeRole(Server& server, const RoleOrder& order) {
     Refuse("NAME", fmt::format("'{:.60}' is no name of a bench or reader", order.name),
            fmt::format("letters, digits, '_', '-' and '.', {} at most", kLongestName));
   }
+  if (!order.passfile.empty()) DemandOutputFile(order.passfile);
   const std::string role = RoleOf(order.kind, order.name);
   ServerTransaction transaction(server);
   const bool there = server.Run("SELECT 1 FROM pg_roles WHERE rolname = $1", {role}).count() > 0;

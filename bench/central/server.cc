@@ -124,8 +124,8 @@ std::string ShownConninfo(const std::string& conninfo) {
 
 void Server::Finish::operator()(pg_conn* connection) const { PQfinish(connection); }
 
-Server::Server(const std::string& conninfo, std::function<bool()> is_to_end)
-    : shown_(ShownConninfo(conninfo)), is_to_end_(std::move(is_to_end)) {
+Server::Server(const std::string& conninfo, std::function<bool()> is_to_end, const ServerPatience& patience)
+    : shown_(ShownConninfo(conninfo)), is_to_end_(std::move(is_to_end)), patience_(patience) {
   // What comes later wins: the user's words over the first three. tcp_user_timeout bounds connecting, too, so
   // that libpq goes on to the next of several hosts; its own connect_timeout holds for PQconnectdb alone.
   const char* const keywords[] = {"fallback_application_name", "tcp_user_timeout",
@@ -134,17 +134,31 @@ Server::Server(const std::string& conninfo, std::function<bool()> is_to_end)
   const char* const values[] = {"strainwave", "10000", "30", conninfo.c_str(), "UTF8", nullptr};
   connection_.reset(PQconnectStartParams(keywords, values, 1));
   if (!connection_) throw std::bad_alloc();
+  if (PQstatus(connection_.get()) == CONNECTION_BAD) DemandOptions();
   Connect();
 }
 
+void Server::DemandOptions() const {
+  // Before it knows as whom to ask, or with these first words, libpq complains of its options alone: a
+  // service that is in no file, a port that is none, an sslmode that it does not know, fewer ports than
+  // hosts.
+  const std::string words = FirstLine(PQerrorMessage(connection_.get()));
+  const bool of_options = words.starts_with("invalid ") || words.starts_with("could not match ");
+  if (PQuser(connection_.get()) != nullptr && !of_options) return;
+  throw ServerError(
+      ServerError::Kind::kRefused, "",
+      fmt::format("{}: error: {} (expected a service of ~/.pg_service.conf, or options that libpq knows)",
+                  shown_, words));
+}
+
 void Server::Connect() {
-  const std::int64_t deadline_ms = SteadyMilliseconds() + kConnectWithin_s * 1000;
+  const std::int64_t since_ms = SteadyMilliseconds();
   // For the SQLSTATE in what it says of a connection that fails.
   PQsetErrorVerbosity(connection_.get(), PQERRORS_VERBOSE);
   PostgresPollingStatusType status =
       PQstatus(connection_.get()) == CONNECTION_BAD ? PGRES_POLLING_FAILED : PGRES_POLLING_WRITING;
   while (status != PGRES_POLLING_OK && status != PGRES_POLLING_FAILED) {
-    WaitForSocket(status == PGRES_POLLING_WRITING, deadline_ms);
+    WaitForSocket(status == PGRES_POLLING_WRITING, since_ms, patience_.to_connect);
     status = PQconnectPoll(connection_.get());
   }
   if (status == PGRES_POLLING_FAILED) {
@@ -166,7 +180,8 @@ void Server::Connect() {
   if (PQsetnonblocking(connection_.get(), 1) != 0) Fail(nullptr);
 }
 
-void Server::WaitForSocket(bool for_writing, std::int64_t deadline_ms) const {
+void Server::WaitForSocket(bool for_writing, std::int64_t since_ms,
+                           std::chrono::milliseconds patience) const {
   const short events = static_cast<short>(POLLIN | (for_writing ? POLLOUT : 0));
   while (true) {
     if (is_to_end_ && is_to_end_()) {
@@ -175,20 +190,22 @@ void Server::WaitForSocket(bool for_writing, std::int64_t deadline_ms) const {
     pollfd socket{PQsocket(connection_.get()), for_writing ? events : static_cast<short>(POLLIN), 0};
     const int ready = ::poll(&socket, 1, static_cast<int>(kLook_ms));
     if (ready > 0 || (ready < 0 && errno != EINTR)) return;
-    if (SteadyMilliseconds() > deadline_ms) {
-      throw ServerError(ServerError::Kind::kAway, "",
-                        fmt::format("{}: error: the server does not answer (expected: in time)", shown_));
+    if (SteadyMilliseconds() - since_ms > patience.count()) {
+      throw ServerError(
+          ServerError::Kind::kAway, "",
+          fmt::format("{}: error: the server has said nothing for {:.3g} s (expected a PostgreSQL server "
+                      "that answers)",
+                      shown_, std::chrono::duration<double>(patience).count()));
     }
   }
 }
 
 void Server::Flush() {
-  const std::int64_t deadline_ms = SteadyMilliseconds() + kAnswerWithin_s * 1000;
   while (true) {
     const int left = PQflush(connection_.get());
     if (left < 0) Fail(nullptr);
     if (left == 0) return;
-    WaitForSocket(true, deadline_ms);
+    WaitForSocket(true, SteadyMilliseconds(), patience_.to_answer);
     // A server that has something to say may take no more until it is heard.
     if (PQconsumeInput(connection_.get()) == 0) Fail(nullptr);
   }
@@ -211,13 +228,12 @@ void Server::Fail(const pg_result* result) const {
 
 // The last result counts, and the first that failed more than that.
 ServerRows Server::Answer() {
-  const std::int64_t deadline_ms = SteadyMilliseconds() + kAnswerWithin_s * 1000;
   std::optional<ServerRows> failed;
   pg_result* failure = nullptr;
   std::optional<ServerRows> last;
   while (true) {
     while (PQisBusy(connection_.get()) != 0) {
-      WaitForSocket(false, deadline_ms);
+      WaitForSocket(false, SteadyMilliseconds(), patience_.to_answer);
       if (PQconsumeInput(connection_.get()) == 0) Fail(nullptr);
     }
     pg_result* const result = PQgetResult(connection_.get());

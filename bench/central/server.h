@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -72,16 +73,20 @@ void CheckConninfo(const std::string& conninfo);
 /// The same without what nobody needs to see, for messages: host, port, database, user.
 std::string ShownConninfo(const std::string& conninfo);
 
-/// One connection. Every wait ends when the caller is asked to end, and with `kAway` when the server says
-/// nothing for `kAnswerWithin_s`. Not for several threads at a time.
+/// How long a server is waited for.
+struct ServerPatience {
+  std::chrono::milliseconds to_connect{30'000};
+  std::chrono::milliseconds to_answer{120'000};  // in which it says nothing
+};
+
+/// One connection. Every wait ends when the caller is asked to end, and with `kAway` when patience does. Not
+/// for several threads at a time.
 class Server {
  public:
-  static constexpr int kConnectWithin_s = 30;
-  static constexpr int kAnswerWithin_s = 120;
-
   /// @param is_to_end  asked several times a second while the server is waited for.
-  /// @throws ServerError.
-  explicit Server(const std::string& conninfo, std::function<bool()> is_to_end = {});
+  /// @throws ServerError; `kRefused` for a conninfo that leads nowhere, such as a service that nobody knows.
+  explicit Server(const std::string& conninfo, std::function<bool()> is_to_end = {},
+                  const ServerPatience& patience = {});
 
   /// One statement with its parameters $1, $2 and so on. @throws ServerError.
   ServerRows Run(const std::string& sql, std::span<const ServerValue> values = {});
@@ -102,14 +107,18 @@ class Server {
     void operator()(pg_conn* connection) const;
   };
   void Connect();
+  /// What libpq has refused before it has asked anybody. @throws ServerError.
+  void DemandOptions() const;
   /// @param for_writing  the socket must take bytes, too.
-  void WaitForSocket(bool for_writing, std::int64_t deadline_ms) const;
+  /// @param since_ms  steady milliseconds from which on `patience` counts.
+  void WaitForSocket(bool for_writing, std::int64_t since_ms, std::chrono::milliseconds patience) const;
   void Flush();
   ServerRows Answer();
   [[noreturn]] void Fail(const pg_result* result) const;
 
   std::string shown_;
   std::function<bool()> is_to_end_;
+  ServerPatience patience_;
   std::unique_ptr<pg_conn, Finish> connection_;
 };
 

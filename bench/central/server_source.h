@@ -15,13 +15,13 @@ namespace strainwave::bench {
 /// cost the server a process each.
 class ServerSource {
  public:
-  ServerSource(std::string conninfo, std::function<bool()> is_to_end)
-      : conninfo_(std::move(conninfo)), is_to_end_(std::move(is_to_end)) {}
+  ServerSource(std::string conninfo, std::function<bool()> is_to_end, const ServerPatience& patience = {})
+      : conninfo_(std::move(conninfo)), is_to_end_(std::move(is_to_end)), patience_(patience) {}
 
   /// @throws as Server and DemandSchema.
   Server& Get() {
     if (!server_) {
-      auto server = std::make_unique<Server>(conninfo_, is_to_end_);
+      auto server = std::make_unique<Server>(conninfo_, is_to_end_, patience_);
       DemandSchema(*server);
       server_ = std::move(server);
       ++number_;
@@ -35,6 +35,7 @@ class ServerSource {
  private:
   std::string conninfo_;
   std::function<bool()> is_to_end_;
+  ServerPatience patience_;
   std::unique_ptr<Server> server_;
   int number_{};
 };

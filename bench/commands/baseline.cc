@@ -7,6 +7,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/reducer_baseline.h"
@@ -32,6 +33,7 @@ ReducerBaseline Read(const BaselineCommand& command) {
 }
 
 int Run(const BaselineCommand& command) {
+  DemandOutputFile(command.out);
   const ReducerBaseline baseline = Read(command);
   daq::WriteFileAtomically(command.out, BaselineText(baseline));
   ToStdout("{}: {}, {} records:", command.out,

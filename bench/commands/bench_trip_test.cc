@@ -19,6 +19,7 @@
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/escaped.h"
 #include "bench/machines/make_machine.h"
 #include "bench/trip_test/metal_trips.h"
@@ -127,6 +128,7 @@ std::vector<TripResult> Test(const TripInputs& inputs, const std::vector<TripRow
 
 int TripTest(const TripOptions& options) {
   RefuseExisting(options.out);
+  if (!options.out.empty()) DemandOutputFile(options.out);
   const TripInputs inputs = ReadTripInputs(options);
   const std::vector<TripRow> rows = OnlyRows(TripRows(inputs.settings, inputs.bench), options.only);
   ListenForQuickStop();

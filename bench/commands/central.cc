@@ -126,7 +126,7 @@ void AddForward(CLI::App& central, Action& action) {
   command
       ->add_option(
           "--patience", options->order.patience_s,
-          "s that the server may be away before this ends with exit code 3; with --follow there is no end")
+          "s that the server may be away before this ends with exit code 3; attempts included; with --follow there is no end")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str()
       ->excludes(follow);

@@ -39,17 +39,20 @@ int ListCampaigns(const CampaignsOptions& options) {
   if (!options.json)
     ToStdout("{:<28} {:<16} {:<16} {:<20} {:>6}\n", "campaign", "specimen", "schedule", "begun", "cycles");
   for (const FoundCampaign& one : found) {
-    listed.push_back({{"campaign", one.identity},
-                      {"bench", one.bench},
-                      {"specimen", one.specimen},
-                      {"schedule", one.schedule},
-                      {"started_utc", one.started_utc},
-                      {"complete", one.complete},
-                      {"caught_up", one.caught_up}});
+    listed.push_back(
+        {{"campaign", one.identity},
+         {"bench", one.bench},
+         {"specimen", one.specimen},
+         {"schedule", one.schedule},
+         {"started_utc", one.started_utc},
+         {"complete", one.complete},
+         {"caught_up", one.caught_up},
+         {"same_as", one.same_as.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(one.same_as)}});
     if (options.json) continue;
-    ToStdout("{:<28} {:<16} {:<16} {:<20.19} {:>6}{}\n", one.Name(), Escaped(one.specimen),
+    ToStdout("{:<28} {:<16} {:<16} {:<20.19} {:>6}{}{}\n", one.Name(), Escaped(one.specimen),
              Escaped(one.schedule), Escaped(one.started_utc), one.complete,
-             one.caught_up ? "" : "  being forwarded");
+             one.caught_up ? "" : "  being forwarded",
+             one.same_as.empty() ? "" : fmt::format("  {} again: life and report leave it out", one.same_as));
   }
   if (options.json) ToStdout("{}\n", listed.dump(2));
   return static_cast<int>(ExitCode::kDone);
@@ -57,18 +60,27 @@ int ListCampaigns(const CampaignsOptions& options) {
 
 int Fetch(const CampaignsOptions& options) {
   LeaveNoCore();
-  const std::vector<FetchedCampaign> all =
-      FetchFromServer({options.conninfo, options.query, options.store}, options.out);
+  std::vector<std::string> warnings;
+  const std::vector<FetchedCampaign> all = FetchFromServer({options.conninfo, options.query, options.store},
+                                                           options.out, Copies::kFetched, warnings);
+  int records = 0;
+  int missing = 0;
   nlohmann::ordered_json fetched = nlohmann::ordered_json::array();
   for (const FetchedCampaign& one : all) {
+    records += one.records;
+    missing += one.missing;
     fetched.push_back({{"folder", one.folder.string()},
                        {"complete", one.cycles},
                        {"records", one.records},
+                       {"missing", one.missing},
                        {"warnings", one.warnings}});
     if (!options.json) ToStdout("{}: {} cycles, {} files\n", one.folder.string(), one.cycles, one.records);
   }
   if (options.json) ToStdout("{}\n", fetched.dump(2));
-  return static_cast<int>(ExitCode::kDone);
+  if (missing == 0) return static_cast<int>(ExitCode::kDone);
+  ToStderr("{}: error: {} of {} raw records are missing (expected all; the folders are whole but for them)\n",
+           options.store, missing, records + missing);
+  return static_cast<int>(ExitCode::kEndedBadly);
 }
 
 }  // namespace
@@ -88,7 +100,7 @@ void AddCentralCampaigns(CLI::App& central, Action& action) {
       "fetch",
       "Folders of campaigns from what the server has of them, for every command that reads one: the same "
       "journal, row "
-      "by row, and the same inputs; raw records with --store alone.\n"
+      "by row, and the same inputs; raw records with --store alone, and exit code 1 where that lacks some.\n"
       "Example: strainwave central fetch --server service=lab --query specimen=A1 --out fetched");
   AddServerOption(*fetch, options->conninfo);
   AddQueryOption(*fetch, options->query);

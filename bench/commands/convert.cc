@@ -10,6 +10,7 @@
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
 #include "bench/records/write_record.h"
@@ -40,6 +41,8 @@ int Preview(const ConvertOptions& options) {
 int Convert(const ConvertOptions& options) {
   if (options.preview) return Preview(options);
   if (options.out.empty()) Refuse("convert", "--out is not given", "a file to write, or --preview");
+  if (const std::filesystem::path folder = std::filesystem::path(options.out).parent_path(); !folder.empty())
+    DemandOutputFolder(folder);
   std::vector<daq::Record> records = RecordReader(options.map).Read(options.in);
   std::erase_if(records, [&](const daq::Record& record) {
     return record.source.group.find(options.group) == std::string::npos;

@@ -16,6 +16,7 @@
 #include "bench/diagnosis/diagnosis_text.h"
 #include "bench/diagnosis/power_report.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 
 namespace strainwave::bench {
 namespace {
@@ -39,6 +40,7 @@ void RefusePowerOfSimulation(const DiagnoseCommand& command) {
 
 int Run(const DiagnoseCommand& command) {
   RefusePowerOfSimulation(command);
+  if (!command.out.empty()) DemandOutputFolder(command.out);
   KeepFreedMemory();
   if (command.by_specimen) return RunBySpecimen(command);
   ShareLine line;

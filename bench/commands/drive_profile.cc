@@ -16,6 +16,7 @@
 #include "bench/configuration/drive_profile_draft.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "daq/whole_file.h"
 #include "protocols/canopen/eds_file.h"
 #include "protocols/canopen/type_limits.h"
@@ -78,6 +79,7 @@ std::string EdsKey(const DriveProfileOptions& options) {
 }
 
 int WriteDraft(const DriveProfileOptions& options) {
+  if (!options.out.empty()) DemandOutputFile(options.out);
   const EdsFile eds = ReadEds(options.eds);
   std::vector<std::string> warnings = eds.notes;
   DemandDrive(eds, options.eds, warnings);

@@ -9,6 +9,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/prediction/export_predictor.h"
 #include "bench/prediction/network_worth.h"
 #include "bench/prediction/onnx_model.h"
@@ -23,6 +24,7 @@ struct ExportCommand {
 };
 
 int Run(const ExportCommand& command) {
+  DemandOutputFolder(command.out);
   const Predictor predictor = ReadPredictor(command.predictor);
   const auto training = nlohmann::ordered_json::parse(predictor.training_json);
   if (IsWorthNothing(training) && !command.anyway) {

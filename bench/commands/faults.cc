@@ -18,6 +18,7 @@
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/faults/fault_json.h"
 #include "bench/faults/fault_model.h"
 #include "bench/faults/fault_pictures.h"
@@ -116,6 +117,8 @@ std::vector<fs::path> DrawAll(const FaultRecords& records, const FaultOutcome& o
 }
 
 int TrainFaultModel(const FaultTrainCommand& command) {
+  DemandOutputFolder(command.out);
+  if (!command.plots.empty()) DemandOutputFolder(command.plots);
   std::vector<LabelFilter> filters;
   for (const std::string& text : command.where) filters.push_back(LabelFilterOf(text));
   const RecordReader reader(command.map);

@@ -12,6 +12,7 @@
 #include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/fingerprint/classify_file.h"
 #include "bench/fingerprint/export_fingerprints.h"
 #include "bench/fingerprint/fingerprint_file.h"
@@ -56,8 +57,7 @@ Method MethodOf(const std::string& name) {
 }
 
 int TrainFingerprintModel(FingerprintTrainCommand command) {
-  if (std::filesystem::exists(command.out) && !std::filesystem::is_directory(command.out))
-    Refuse(command.out, "is no folder", "a folder for the model");
+  DemandOutputFolder(command.out);
   command.job.fingerprint = FingerprintOf(command.fingerprint);
   if (!command.method.empty()) command.job.method = MethodOf(command.method);
   if (command.job.method == Method::kGradients && command.job.fingerprint == Fingerprint::kJoint)
@@ -133,6 +133,7 @@ struct FingerprintExportCommand {
 };
 
 int ExportFingerprintModel(const FingerprintExportCommand& command) {
+  DemandOutputFolder(command.out);
   const FingerprintExport written = ExportFingerprints(ReadFingerprintModel(command.model), command.out);
   ToStdout(
       "{}: states to torques, {}: fingerprints to probabilities, opset {}\n{}: how a record becomes states "

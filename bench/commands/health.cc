@@ -14,6 +14,7 @@
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/health/assess_health.h"
 #include "bench/health/health_json.h"
 #include "bench/health/health_pictures.h"
@@ -38,6 +39,8 @@ struct HealthTrainCommand {
 };
 
 int TrainHealthModel(const HealthTrainCommand& command) {
+  DemandOutputFolder(command.out);
+  if (!command.plots.empty()) DemandOutputFolder(command.plots);
   ShareLine line;
   std::mutex telling;
   const auto part = [&](double begin, double end) {
@@ -209,6 +212,7 @@ HealthJson WhatIfJson(const HealthModel& model, const Eigen::VectorXd& state, co
 }
 
 int AnswerWhatIf(const HealthWhatIfCommand& command) {
+  if (!command.plots.empty()) DemandOutputFolder(command.plots);
   const HealthModel model = ReadHealthModel(command.model);
   if (!model.system)
     Refuse(command.model, "the model knows nothing of the system", "one that was trained with system_rms");

@@ -11,6 +11,7 @@
 #include "bench/commands/output.h"
 #include "bench/commands/server_option.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/life/accelerated_report.h"
 #include "bench/life/campaign_lives.h"
 #include "bench/life/times_picture.h"
@@ -117,10 +118,12 @@ LimitShares SharesOf(const LifeOptions& options) {
   return shares;
 }
 
-int LifeOfCampaigns(const LifeOptions& options, const std::vector<std::string>& folders) {
-  const CampaignsReport report =
-      LivesOfCampaigns(folders, SettingsOf(options), SharesOf(options), options.join);
+// @param told  what was said already, and belongs to the report.
+int LifeOfCampaigns(const LifeOptions& options, const std::vector<std::string>& folders,
+                    const std::vector<std::string>& told) {
+  CampaignsReport report = LivesOfCampaigns(folders, SettingsOf(options), SharesOf(options), options.join);
   for (const std::string& warning : report.warnings) ToStderr("warning: {}\n", warning);
+  report.warnings.insert(report.warnings.begin(), told.begin(), told.end());
   options.json ? ToStdout("{}\n", JsonOf(report).dump(2)) : ToStdout("{}", TextOf(report));
   const bool has_limit =
       std::ranges::any_of(report.campaigns, [](const auto& one) { return !one.limits.empty(); });
@@ -136,10 +139,11 @@ int LifeOfCampaigns(const LifeOptions& options, const std::vector<std::string>& 
 }
 
 int TellLife(const LifeOptions& options) {
+  if (!options.plots.empty()) DemandOutputFolder(options.plots);
   const CampaignFolders given(options.paths, options.from);
-  if (!options.from.conninfo.empty()) return LifeOfCampaigns(options, given.paths());
+  if (!options.from.conninfo.empty()) return LifeOfCampaigns(options, given.paths(), given.warnings());
   const auto is_folder = [](const std::string& path) { return std::filesystem::is_directory(path); };
-  if (std::ranges::all_of(options.paths, is_folder)) return LifeOfCampaigns(options, options.paths);
+  if (std::ranges::all_of(options.paths, is_folder)) return LifeOfCampaigns(options, options.paths, {});
   if (std::ranges::any_of(options.paths, is_folder))
     Refuse(options.paths.front(), "is beside another kind of path", "campaigns, or one table of times");
   if (options.paths.size() > 1) Refuse(options.paths[1], "is a second table of times", "one, with all units");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <exception>
+#include <filesystem>
 #include <sstream>
 #include <system_error>
 
@@ -32,6 +33,16 @@ int Fail(ExitCode code, const char* message) {
   return static_cast<int>(code);
 }
 
+// What no path can be is wrong input, wherever it was met; a lost folder or a full disk is not.
+int FailOfFile(const std::error_code& code, const std::string& path, const std::string& message) {
+  if (code == std::errc::filename_too_long || code == std::errc::not_a_directory ||
+      code == std::errc::too_many_symbolic_link_levels) {
+    return Fail(ExitCode::kWrongInput,
+                fmt::format("{}: error: {} (expected another path)", path, code.message()).c_str());
+  }
+  return Fail(ExitCode::kMachineFailed, message.c_str());
+}
+
 // One place that turns what went wrong into words and an exit code.
 int Guarded(const strainwave::bench::Action& action) {
   try {
@@ -43,11 +54,13 @@ int Guarded(const strainwave::bench::Action& action) {
   } catch (const strainwave::bench::BenchError& error) {
     return Fail(error.exit_code(), error.what());
   } catch (const strainwave::daq::DataFileError& error) {
-    return Fail(ExitCode::kMachineFailed, error.what());
+    return FailOfFile(error.code(), error.path(), error.what());
   } catch (const strainwave::bench::DatabaseError& error) {
     return Fail(ExitCode::kMachineFailed, error.what());
   } catch (const std::bad_alloc&) {
     return Fail(ExitCode::kMachineFailed, kNoMemory);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return FailOfFile(error.code(), error.path1().string(), fmt::format("error: {}", error.what()));
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again)
       return Fail(ExitCode::kMachineFailed, kNoThread);

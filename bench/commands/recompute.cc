@@ -27,6 +27,7 @@
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/records/look_at_samples.h"
 #include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
@@ -152,6 +153,7 @@ void PrintCampaignText(const CampaignReport& campaign) {
 }
 
 int Recompute(const RecomputeOptions& options) {
+  if (!options.plots.empty()) DemandOutputFolder(options.plots);
   nlohmann::json reports = nlohmann::json::array();
   bool differs = false;
   bool failed = false;

@@ -14,6 +14,7 @@
 #include "bench/commands/output.h"
 #include "bench/commands/server_option.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/report/csv_tables.h"
 #include "bench/report/document.h"
 #include "bench/report/filed_papers.h"
@@ -73,6 +74,9 @@ std::string PrintedOrWhyNot(const std::string& html, const std::string& pdf) {
 }
 
 int WriteReport(const ReportOptions& given) {
+  DemandOutputFile(given.out);
+  if (!given.csv.empty()) DemandOutputFolder(given.csv);
+  if (!given.pdf.empty()) DemandOutputFile(given.pdf);
   const CampaignFolders folders(given.folders, given.from);
   ReportOptions options = given;
   options.folders = folders.paths();
@@ -83,6 +87,7 @@ int WriteReport(const ReportOptions& given) {
     sheets.push_back(ReadCampaignSheet(folder, kForecastLevel, warnings));
   const ReportDocument document = ReportDocumentOf(sheets, filed, warnings);
   for (const std::string& warning : warnings) ToStderr("{}\n", warning);
+  warnings.insert(warnings.begin(), folders.warnings().begin(), folders.warnings().end());
   const std::string html = HtmlOf(document);
   daq::WriteFileAtomically(options.out, html);
   const int files = options.csv.empty() ? 0 : WriteCsvTables(document, sheets, options.csv);

@@ -28,6 +28,7 @@
 #include "bench/commands/terminal.h"
 #include "bench/configuration/sensors_of.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/machines/make_machine.h"
 #include "bench/safety/interlocks.h"
 #include "bench/spare_memory.h"
@@ -284,6 +285,7 @@ int Run(RunOptions options) {
                                               ? std::nullopt
                                               : std::optional<std::filesystem::path>(options.bench));
   }
+  DemandOutputFolder(folder.root);
   CheckFolder(options, folder);
   if (!options.schedule.empty()) CheckInputs(options, folder, inputs);
   const CampaignLock lock(folder);

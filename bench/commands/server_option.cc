@@ -55,26 +55,40 @@ void AddFromServer(CLI::App& command, FromServer& from, CLI::Option* folders) {
       ->needs(server);
 }
 
-std::vector<FetchedCampaign> FetchFromServer(const FromServer& from, const std::filesystem::path& into) {
+std::vector<FetchedCampaign> FetchFromServer(const FromServer& from, const std::filesystem::path& into,
+                                             Copies copies, std::vector<std::string>& warnings) {
   LeaveNoCore();
+  const auto tell = [&](const std::string& warning) {
+    warnings.push_back(warning);
+    ToStderr("warning: {}\n", warning);
+  };
+  DemandFetchPlace(into, {});
   CheckConninfo(from.conninfo);
   const CampaignQuery query = ParseCampaignQuery(from.query);
   if (!from.store.empty() && !std::filesystem::is_directory(from.store))
     Refuse(from.store, "is no folder", "the store that central forward --store has filled");
   Server server(from.conninfo);
   DemandSchema(server);
-  const std::vector<FoundCampaign> found = FindCampaigns(server, query);
+  std::vector<FoundCampaign> found = FindCampaigns(server, query);
   if (found.empty()) {
     Refuse("--query", fmt::format("the server has no campaign of '{}'", from.query),
            "some; strainwave central list shows all");
   }
+  for (const FoundCampaign& one : found) {
+    if (copies == Copies::kLeftOut && !one.same_as.empty())
+      tell(fmt::format("{}: is the campaign {} again, forwarded by another bench: left out", one.Name(),
+                       one.same_as));
+  }
+  if (copies == Copies::kLeftOut)
+    std::erase_if(found, [](const FoundCampaign& one) { return !one.same_as.empty(); });
+  DemandFetchPlace(into, found);
   std::optional<RecordStore> store;
   if (!from.store.empty()) store.emplace(from.store);
   std::vector<FetchedCampaign> fetched;
   for (const FoundCampaign& one : found) {
     fetched.push_back(FetchCampaign(server, one, into, store ? &*store : nullptr));
     for (const std::string& warning : fetched.back().warnings)
-      ToStderr("warning: {}: {}\n", one.Name(), warning);
+      tell(fmt::format("{}: {}", one.Name(), warning));
   }
   return fetched;
 }
@@ -87,7 +101,8 @@ CampaignFolders::CampaignFolders(const std::vector<std::string>& given, const Fr
   }
   made_ = NewTemporaryFolder();
   try {
-    for (const FetchedCampaign& one : FetchFromServer(from, made_)) paths_.push_back(one.folder.string());
+    for (const FetchedCampaign& one : FetchFromServer(from, made_, Copies::kLeftOut, warnings_))
+      paths_.push_back(one.folder.string());
   } catch (...) {
     std::error_code gone;
     std::filesystem::remove_all(made_, gone);

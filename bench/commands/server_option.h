@@ -27,11 +27,16 @@ struct FromServer {
 /// command.
 void AddFromServer(CLI::App& command, FromServer& from, CLI::Option* folders);
 
-/// Writes the folders that were asked for below `into`, and tells what is uncertain about each.
-/// @throws BenchError (exit code 2) where no campaign is found; as FetchCampaign.
-std::vector<FetchedCampaign> FetchFromServer(const FromServer& from, const std::filesystem::path& into);
+enum class Copies { kFetched, kLeftOut };  // of campaigns that several benches have forwarded
 
-/// The folders that a command is to read: those given, or those of a server, which are gone when this is.
+/// Writes the folders that were asked for below `into`, and tells what is uncertain about each.
+/// @param warnings  takes what was told.
+/// @throws BenchError (exit code 2) where no campaign is found; as FetchCampaign.
+std::vector<FetchedCampaign> FetchFromServer(const FromServer& from, const std::filesystem::path& into,
+                                             Copies copies, std::vector<std::string>& warnings);
+
+/// The folders that a command is to read: those given, or those of a server, each campaign once, which are
+/// gone when this is.
 class CampaignFolders {
  public:
   /// @throws BenchError (exit code 2) where neither is given; as FetchFromServer.
@@ -41,10 +46,13 @@ class CampaignFolders {
   ~CampaignFolders();
 
   const std::vector<std::string>& paths() const { return paths_; }
+  /// What was told of those of a server.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   std::filesystem::path made_;
   std::vector<std::string> paths_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace strainwave::bench

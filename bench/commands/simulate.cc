@@ -17,6 +17,7 @@
 #include "bench/diagnosis/make_study.h"
 #include "bench/diagnosis/simulate_record.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/records/look_at_samples.h"
 #include "bench/records/record_reader.h"
 #include "bench/records/write_record.h"
@@ -56,6 +57,7 @@ daq::Record ReadLike(const SimulateOptions& options, StudyKind kind) {
 int SimulateStudy(const SimulateOptions& options) {
   if (!options.model.empty())
     Refuse("simulate", fmt::format("both a model, {}, and --study are given", options.model), "one of them");
+  DemandOutputFolder(options.out);
   ShareLine line;
   const auto progress = [&](std::size_t done, std::size_t all) {
     line.Show(fmt::format("record {} of {}", done, all),
@@ -83,6 +85,8 @@ int Simulate(const SimulateOptions& options) {
   if (options.model.empty())
     Refuse("simulate", "neither MODEL nor --study is given",
            "a model, such as motion, or the name of a data set");
+  if (const std::filesystem::path folder = std::filesystem::path(options.out).parent_path(); !folder.empty())
+    DemandOutputFolder(folder);
   const RunnableModel model = ReadRunnableModel(options.model, options.corrections);
   const bool alike = !options.like.empty();
   const daq::Record like = alike ? ReadLike(options, model.kind) : ExcitationFor(model);

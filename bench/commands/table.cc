@@ -10,6 +10,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -22,6 +23,7 @@ struct TableOptions {
 };
 
 int WriteTable(const TableOptions& options) {
+  DemandOutputFile(options.out);
   const CampaignFolder folder{options.folder};
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
   const std::vector<std::string> warnings = WarningsAbout(folder, journal);

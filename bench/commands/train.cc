@@ -15,6 +15,7 @@
 #include "bench/commands/terminal.h"
 #include "bench/commands/train_report.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/plots/gnuplot.h"
 #include "bench/prediction/train_predictor.h"
 #include "bench/prediction/training_pictures.h"
@@ -39,6 +40,7 @@ int Run(const TrainCommand& command) {
     throw BenchError(ExitCode::kWrongInput,
                      "error: a predictor is written somewhere or not at all (expected --out or --compare)");
   }
+  if (!command.out.empty()) DemandOutputFolder(command.out);
   ShareLine line;
   // Reading is a tenth of the work where nothing is kept from before.
   constexpr double kShareOfReading = 0.1;

@@ -15,6 +15,7 @@
 #include "bench/commands/no_core.h"
 #include "bench/commands/output.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 
 namespace strainwave::bench {
 namespace {
@@ -70,6 +71,7 @@ int Change(const UsersOptions& options, std::vector<User> users) {
     }
     users.erase(known);
   } else {
+    DemandOutputFile(options.file);
     User user{options.name, options.role, HashPassword(ReadPassword(options.name))};
     is_known ? static_cast<void>(*known = std::move(user)) : users.push_back(std::move(user));
   }

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/fleet/fleet_status.h"
 #include "bench/fleet/kept_results.h"
 
@@ -126,11 +127,8 @@ void DemandTargets(const PlanFolder& folder, const FleetPlan& plan, const std::v
   const fs::path root = fs::weakly_canonical(folder.root);
   std::set<fs::path> before;
   for (const fs::path& target : targets) {
+    DemandOutputFile(target);
     const fs::path whole = fs::weakly_canonical(fs::absolute(target));
-    if (target.empty() || (fs::exists(whole) && !fs::is_regular_file(whole)))
-      Refuse(target, "is no file", "the name of a file to write");
-    if (!fs::is_directory(whole.parent_path()))
-      Refuse(target, "its folder is not there", "a file in a folder that is");
     if (!before.insert(whole).second) Refuse(target, "is named twice", "a file each for document and table");
     if (rests_on.contains(whole)) Refuse(target, "is a file that the plan reads", "another one to write");
     if (std::mismatch(root.begin(), root.end(), whole.begin(), whole.end()).first == root.end())

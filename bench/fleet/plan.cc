@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/escaped.h"
 #include "bench/fleet/fleet_command.h"
 #include "bench/fleet/plan_files.h"
@@ -161,6 +162,7 @@ void WritePlan(const PlanFolder& folder, const FleetPlan& plan) {
         Refuse(folder.root, "holds other files", "a folder for the plan alone, empty or not there yet");
     }
   }
+  DemandOutputFolder(folder.root);
   for (const auto& inside : own) daq::MakeFolders(inside);
   // A link fails where there is a plan by now: of two that are submitted at once, one is the plan.
   const std::filesystem::path made = folder.root / fmt::format(".plan.json.{}", ::getpid());

@@ -18,6 +18,7 @@
 
 #include "bench/campaign/checkpoint.h"
 #include "bench/errors/bench_error.h"
+#include "bench/errors/output_path.h"
 #include "bench/integrity/salvage_rows.h"
 #include "bench/sha256.h"
 #include "bench/utc.h"
@@ -168,7 +169,7 @@ void DemandPlaceToSalvage(const CampaignFolder& from, const fs::path& out) {
   if (place == campaign) Refuse(out, "is the campaign itself", kExpected);
   if (LiesWithin(place, campaign)) Refuse(out, "lies within the campaign", kExpected);
   if (LiesWithin(campaign, place)) Refuse(out, "holds the campaign", kExpected);
-  if (!fs::exists(place)) return;
+  if (!fs::exists(place)) return DemandOutputFolder(out);
   if (!fs::is_directory(place)) Refuse(out, "is not a folder", kExpected);
   if (!fs::is_empty(place)) Refuse(out, "is not empty", kExpected);
 }

@@ -2,13 +2,13 @@
 #include "bench/page/page_gate.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "bench/page/http_text.h"
 #include "bench/serving/addresses.h"
+#include "bench/text.h"
 
 namespace strainwave::bench {
 namespace {
@@ -34,12 +34,6 @@ std::string_view NameIn(std::string_view host) {
       port.empty() || (port.front() == ':' &&
                        std::ranges::all_of(port.substr(1), [](char c) { return c >= '0' && c <= '9'; }));
   return is_port ? name : std::string_view();
-}
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower;
 }
 
 }  // namespace

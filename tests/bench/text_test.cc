@@ -26,5 +26,10 @@ TEST(Text, IsThatOfFmtForEverythingElse) {
             fmt::format("{:>{}.{}f}|{:5}|{}|{:.2f}|{:d}", 2.5, width, 2, "a", word, 1.0f, 4));
 }
 
+TEST(LowerCase, IsOfTheLettersOfAsciiAlone) {
+  EXPECT_EQ(LowerCase("Hall-3 AZaz@[`{ ÄÉ"), "hall-3 azaz@[`{ ÄÉ");
+  EXPECT_EQ(LowerCase(std::string_view("\xff\0Z", 3)), std::string_view("\xff\0z", 3));
+}
+
 }  // namespace
 }  // namespace strainwave::bench::text_test

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -60,6 +61,22 @@ TEST(WriteFileAtomically, ReplacesAFileAndLeavesNoPartial) {
   WriteFileAtomically(folder / "a.csv", std::string("old and long"));
   WriteFileAtomically(folder / "a.csv", std::string("new"));
   EXPECT_EQ(BytesOf(folder / "a.csv"), "new");
+  EXPECT_FALSE(std::filesystem::exists(folder / ".a.csv.partial"));
+}
+
+TEST(WriteFileAtomically, LeavesAPartialAloneThatAnotherOneWrites) {
+  const ScratchFolder folder;
+  const int other = ::open((folder / ".a.csv.partial").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  ASSERT_EQ(::flock(other, LOCK_EX | LOCK_NB), 0);
+  ASSERT_EQ(::write(other, "half", 4), 4);
+  WriteFileAtomically(folder / "a.csv", std::string("new"));
+  EXPECT_EQ(BytesOf(folder / "a.csv"), "new");
+  EXPECT_EQ(BytesOf(folder / ".a.csv.partial"), "half");
+  EXPECT_FALSE(std::filesystem::exists(folder / ".a.csv.1.partial"));
+  // Whose writer is gone is written over.
+  ::close(other);
+  WriteFileAtomically(folder / "a.csv", std::string("newer"));
+  EXPECT_EQ(BytesOf(folder / "a.csv"), "newer");
   EXPECT_FALSE(std::filesystem::exists(folder / ".a.csv.partial"));
 }
 

@@ -120,6 +120,23 @@ TEST_F(Forwarding, FillsAStoreThatLacksRecords) {
   EXPECT_EQ(WholeFile(order.settings.store / digest.substr(0, 2) / digest), "records of cycle 2");
 }
 
+// What it has looked at once, it does not ask the journal for again.
+TEST_F(Forwarding, LooksAtTheRecordsOfNewCyclesAlone) {
+  campaign_->AddCycles(3);
+  auto settings = lab_->Order(campaign_->folder()).settings;
+  settings.store = lab_->scratch / "store";
+  CampaignForward forward(campaign_->folder(), settings);
+  ServerSource source(lab_->postgres.Conninfo("bench_hall-3"), {});
+  EXPECT_EQ(forward.Look(source).records, 3);
+  // To whoever looks at the first cycle again, its file is not what the journal says.
+  campaign_->journal().database().Execute(
+      fmt::format("UPDATE cycles SET records_sha256 = '{}' WHERE cycle = 0", std::string(64, 'a')));
+  campaign_->AddCycles(2);
+  const Forwarded second = forward.Look(source);
+  EXPECT_EQ(second.records, 2);
+  EXPECT_EQ(second.troubles, std::vector<std::string>{});
+}
+
 TEST_F(Forwarding, MarksStampsOfAWrongClock) {
   campaign_->AddCycles(1);
   campaign_->RaiseAlarm("2026-12-01T10:00:00.000Z");

@@ -107,6 +107,23 @@ inline std::vector<std::string> RowsOf(const bench::CampaignFolder& folder) {
   return rows;
 }
 
+/// However long it takes; CTest ends a test that hangs.
+template <typename Condition>
+void Until(const Condition& condition) {
+  while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+/// Forwards quickly, and looks again at once.
+inline bench::ForwardOrder OrderOf(const bench::CampaignFolder& folder, const std::string& conninfo) {
+  bench::ForwardOrder order;
+  order.folders = {folder.root.string()};
+  order.conninfo = conninfo;
+  order.settings.utc_ms = bench::UtcMilliseconds;
+  order.first_wait_s = 0.05;
+  order.round_s = 0.05;
+  return order;
+}
+
 /// One server for all tests of a process, since to make one takes a second.
 inline std::shared_ptr<PostgresServer> SharedServer() {
   static const auto server = std::make_shared<PostgresServer>();
@@ -125,13 +142,8 @@ struct Lab {
     bench::MakeRole(admin, {bench::RoleKind::kBench, name, scratch / (name + ".pgpass"), false, false});
   }
   bench::ForwardOrder Order(const bench::CampaignFolder& folder, const std::string& name = "hall-3") const {
-    bench::ForwardOrder order;
-    order.folders = {folder.root.string()};
-    order.conninfo = postgres.Conninfo("bench_" + name);
+    bench::ForwardOrder order = OrderOf(folder, postgres.Conninfo("bench_" + name));
     order.settings.machine = "machine of " + name;
-    order.settings.utc_ms = bench::UtcMilliseconds;
-    order.first_wait_s = 0.05;
-    order.round_s = 0.05;
     return order;
   }
   /// Once. @return what was told.

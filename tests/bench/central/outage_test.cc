@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "tests/bench/central/lab.h"
+#include "tests/bench/central/silent_server.h"
 
 namespace strainwave::bench::outage_test {
 namespace {
@@ -46,12 +47,6 @@ class FollowingForward {
   std::atomic<bool> end_{};
   std::thread thread_;
 };
-
-// However long it takes; CTest ends a test that hangs.
-template <typename Condition>
-void Until(const Condition& condition) {
-  while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-}
 
 bool HasAll(const Lab& lab, int cycles) {
   try {
@@ -138,6 +133,64 @@ TEST(Outage, WithoutFollowItEndsWhenPatienceDoes) {
   const std::string refusal = RefusalOf([&] { lab.Forward(order); });
   EXPECT_EQ(refusal.substr(0, 3), "3: ") << refusal;
   EXPECT_NE(refusal.find("(expected a PostgreSQL server that answers there)"), std::string::npos) << refusal;
+}
+
+// One attempt lasts longer than patience does: there is no third one.
+TEST(Outage, AServerThatSaysNothingIsAwayWithinPatience) {
+  const ScratchFolder scratch;
+  WrittenCampaign campaign(scratch / "campaign");
+  SilentServer silent;
+  auto order = OrderOf(campaign.folder(), silent.Conninfo());
+  order.patience_s = 0.05;
+  order.first_wait_s = 0.001;
+  order.server.to_connect = std::chrono::milliseconds(100);
+  EXPECT_EQ(RefusalOf([&] {
+              RunForward(
+                  order, [] { return false; }, [](const std::string&) {});
+            }),
+            "3: the server has said nothing for 0.1 s (expected a PostgreSQL server that answers)");
+  EXPECT_LE(silent.connections(), 2);
+}
+
+TEST(Outage, AskedToEndBeforeAllIsBroughtItIsInterrupted) {
+  const ScratchFolder scratch;
+  WrittenCampaign campaign(scratch / "campaign");
+  auto order = OrderOf(campaign.folder(), "host=" + (scratch / "nobody").string());
+  order.patience_s = 1e9;
+  bool end = false;
+  EXPECT_EQ(RefusalOf([&] {
+              RunForward(
+                  order, [&] { return end; }, [&](const std::string&) { end = true; });
+            }),
+            "130: stopped on request; what is not forwarded stays in the campaign's folder");
+}
+
+TEST(Outage, AServiceThatNobodyKnowsIsNotWaitedFor) {
+  const ScratchFolder scratch;
+  WrittenCampaign campaign(scratch / "campaign");
+  auto order = OrderOf(campaign.folder(), "service=nope");
+  order.patience_s = 1e9;
+  EXPECT_EQ(
+      RefusalOf([&] {
+        RunForward(
+            order, [] { return false; }, [](const std::string&) {});
+      }),
+      "2: definition of service \"nope\" not found (expected a service of ~/.pg_service.conf, or options "
+      "that libpq knows)");
+  order.conninfo = "host=/tmp sslmode=x";
+  EXPECT_EQ(
+      RefusalOf([&] {
+        RunForward(
+            order, [] { return false; }, [](const std::string&) {});
+      }),
+      "2: invalid sslmode value: \"x\" (expected a service of ~/.pg_service.conf, or options that libpq "
+      "knows)");
+  order.conninfo = "host=/tmp port=99999999";
+  EXPECT_EQ(RefusalOf([&] {
+              RunForward(
+                  order, [] { return false; }, [](const std::string&) {});
+            }).substr(0, 3),
+            "2: ");
 }
 
 TEST(Outage, FullDiskOfTheServerIsWaitedFor) {
