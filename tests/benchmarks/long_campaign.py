@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""How long `status` takes, and `run --resume` until it works, on a campaign of very many cycles; memory of both.
+"""How long `status` and `table` take, and `run --resume` until it works, on a campaign of very many cycles; memory of
+all three.
 
   tests/benchmarks/long_campaign.py --program build/strainwave [--other OTHER/build/strainwave] [--cycles 100000]
+  tests/benchmarks/long_campaign.py --program build/strainwave --than 1000     beside a campaign of so many cycles
 
 Each program makes a small campaign of its own, which is then filled: rows of its last cycle again and again, through
 SQLite, in the tables that the program has made. Both are timed in turn. --make FOLDER only makes the campaign.
@@ -103,11 +105,19 @@ def ended(process):
     return usage.ru_maxrss / 1024
 
 
-def time_status(program, folder, _):
+def time_command(*command):
     began = time.monotonic()
-    process = subprocess.Popen([program, "status", folder], stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     memory_MB = ended(process)
     return time.monotonic() - began, memory_MB
+
+
+def time_status(program, folder, _):
+    return time_command(program, "status", folder)
+
+
+def time_table(program, folder, _):
+    return time_command(program, "table", folder, "--out", folder.with_suffix(".csv"))
 
 
 def time_resume(program, folder, schedule):
@@ -131,6 +141,7 @@ def main():
     parser.add_argument("--program", required=True, type=lambda path: pathlib.Path(path).resolve())
     parser.add_argument("--other", type=lambda path: pathlib.Path(path).resolve())
     parser.add_argument("--cycles", type=int, default=100000)
+    parser.add_argument("--than", type=int, help="cycles of a second campaign of the same program")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--make", type=lambda path: pathlib.Path(path).resolve())
     options = parser.parse_args()
@@ -138,22 +149,27 @@ def main():
         make(options.program, options.make, options.cycles)
         return
     with tempfile.TemporaryDirectory() as scratch:
-        programs = [program for program in (options.program, options.other) if program]
-        folders = [pathlib.Path(scratch) / f"campaign_{number}" for number in range(len(programs))]
-        schedules = [make(program, folder, options.cycles) for program, folder in zip(programs, folders)]
-        for name, measure in ("status", time_status), ("resume", time_resume):
-            seen = [[] for _ in programs]
+        cases = [(options.program, options.cycles)]
+        if options.other:
+            cases.append((options.other, options.cycles))
+        if options.than:
+            cases.append((options.program, options.than))
+        folders = [pathlib.Path(scratch) / f"campaign_{number}" for number in range(len(cases))]
+        schedules = [make(program, folder, cycles) for (program, cycles), folder in zip(cases, folders)]
+        for name, measure in ("status", time_status), ("table", time_table), ("resume", time_resume):
+            seen = [[] for _ in cases]
             for run in range(options.runs + 1):
-                for number, place in enumerate(zip(programs, folders, schedules)):
-                    measured = measure(*place)
+                for number, ((program, _), folder, schedule) in enumerate(zip(cases, folders, schedules)):
+                    measured = measure(program, folder, schedule)
                     if run > 0:  # the first is a warm-up
                         seen[number].append(measured)
             medians = [statistics.median(took_s for took_s, _ in one) for one in seen]
-            for program, one, median in zip(programs, seen, medians):
+            for (program, cycles), one, median in zip(cases, seen, medians):
                 times = " ".join(f"{took_s:.3f}" for took_s, _ in one)
-                print(f"{name}  median {median:.3f} s  peak {max(m for _, m in one):.0f} MB  ({times})  {program}")
-            if options.other:
-                print(f"{name}  {medians[0] / medians[1]:.4f} of the other's time")
+                print(f"{name}  median {median:.3f} s  peak {max(m for _, m in one):.0f} MB  ({times})  {cycles} cycles  "
+                      f"{program}")
+            for (program, cycles), median in list(zip(cases, medians))[1:]:
+                print(f"{name}  {medians[0] / median:.4f} of the time of {cycles} cycles, {program}")
 
 
 if __name__ == "__main__":
