@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <stdexcept>
 
@@ -323,12 +322,8 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   machine_.TakePicture(folder_.CycleFile(cycle_).replace_extension(".jpg"));
   const CycleContext context = ContextOf(journal_, schedule_, bench_);
   StoredCycle stored;
-  FileImage image;
   for (int repeat = 0;; ++repeat) {
-    // Built beside the analysis, on another processor; what is measured again makes another one.
-    auto building = std::async(std::launch::async, [&] { return ImageOfCycle(); });
     stored = AnalyzeForStore(records_.all(), cycle_, context);
-    image = building.get();
     if (cycle_ == 0 || repeat == schedule_.measurements.retries) break;
     std::vector<std::string> warnings = stored.failed_checks;
     for (std::string& outlier : quality_.Outliers(stored.results)) warnings.push_back(std::move(outlier));
@@ -345,6 +340,9 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   for (const std::string& check : stored.failed_checks) {
     Note("warning", "", "failed_check", fmt::format("cycle {}: {}", cycle_, check));
   }
+  // Not beside the analysis: HDF5 crashes where it gets no memory, and another thread may take what was asked
+  // for.
+  const FileImage image = ImageOfCycle();
   held_.DemandInPlace();
   // Where nothing is prepared there is nothing to keep.
   if (!image.bytes.empty()) daq::WriteFileAtomically(folder_.CycleFile(cycle_), image.bytes);

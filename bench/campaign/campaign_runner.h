@@ -84,7 +84,6 @@ class CampaignRunner {
   MaybeEnd RunCycle(int cycle);
   MaybeEnd RunStep(const CycleStep& step, int repeat);
   MaybeEnd RunAttempt(const CycleStep& step, int repeat, int attempt, double credited_before_s, bool& again);
-  /// Reads the records and nothing that changes meanwhile: for another thread.
   FileImage ImageOfCycle() const;
   MaybeEnd StoreCycle(const std::vector<CycleStep>& steps);
   MaybeEnd EndForRequest(const PhaseOutcome& outcome, std::string_view phase = "");

@@ -12,10 +12,12 @@ namespace strainwave::bench {
 /// in turn.
 void OnAllProcessors(std::size_t count, const std::function<void(std::size_t)>& task);
 
-/// While it lives, `OnAllProcessors` uses at most so many threads: for a program that locks its memory, the
-/// stack of each of them too (bench/realtime/realtime.h).
+/// While it lives, `OnAllProcessors` uses at most so many threads, which are made here, so that none is
+/// missing later: for a program that locks its memory, the stack of each of them too
+/// (bench/realtime/realtime.h).
 class ProcessorLimit {
  public:
+  /// @throws std::system_error when the machine refuses another thread; std::bad_alloc.
   explicit ProcessorLimit(std::size_t most);
   ProcessorLimit(const ProcessorLimit&) = delete;
   ProcessorLimit& operator=(const ProcessorLimit&) = delete;
