@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daq/file_descriptor.h"
 
+#include <sys/stat.h>
+
 #include <cerrno>
 
 #include "daq/data_file_error.h"
 
 namespace strainwave::daq {
+
+bool LeadsTo(const std::filesystem::path& path, int fd) noexcept {
+  struct stat held {};
+  struct stat named {};
+  return ::fstat(fd, &held) == 0 && ::stat(path.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
+         held.st_ino == named.st_ino;
+}
 
 void WriteAll(int fd, std::span<const std::byte> bytes, const std::filesystem::path& path) {
   while (!bytes.empty()) {

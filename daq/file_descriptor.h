@@ -32,6 +32,9 @@ class FileDescriptor {
   int fd_;
 };
 
+/// Whether a path leads to what is open there; not, too, where one of the two cannot be asked.
+bool LeadsTo(const std::filesystem::path& path, int fd) noexcept;
+
 /// Writes all of it, however little the kernel takes at once.
 /// @throws DataFileError "cannot write" with the path.
 void WriteAll(int fd, std::span<const std::byte> bytes, const std::filesystem::path& path);

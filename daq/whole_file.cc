@@ -55,14 +55,11 @@ class PartialFile {
       if (!file_.is_open()) throw DataFileError(LastError(), "cannot create", path_.string());
       // A file system without locks has none to hold.
       if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
-      struct stat held {};
-      struct stat named {};
       // Since it was opened its writer may have given it its place: by this name there is another, or none.
-      const bool is_named = ::fstat(file_.get(), &held) == 0 && ::stat(path_.c_str(), &named) == 0 &&
-                            held.st_dev == named.st_dev && held.st_ino == named.st_ino;
-      if (!is_named && looks < kMostLooks) continue;
+      if (!LeadsTo(path_, file_.get()) && looks < kMostLooks) continue;
       owned_ = true;
-      if (held.st_size > 0 && ::ftruncate(file_.get(), 0) != 0)
+      struct stat held {};
+      if (::fstat(file_.get(), &held) == 0 && held.st_size > 0 && ::ftruncate(file_.get(), 0) != 0)
         throw DataFileError(LastError(), "cannot create", path_.string());
       return true;
     }

@@ -35,13 +35,14 @@ StoredCycle AnalyzePreparation(std::span<const NamedRecord> records, const Cycle
     if (repeat == 0) continue;
     repeats[repeat].push_back({named.group.substr(named.group.find('/') + 1), named.record});
   }
-  const std::vector<std::pair<int, std::vector<NamedRecord>>> in_order(repeats.begin(), repeats.end());
-  std::vector<CycleAnalysis> analyses(in_order.size());
-  OnAllProcessors(in_order.size(),
-                  [&](std::size_t i) { analyses[i] = AnalyzeCycle(in_order[i].second, corrected); });
-  for (std::size_t i = 0; i < in_order.size(); ++i) {
+  std::vector<int> numbers;
+  for (const auto& [repeat, repeat_records] : repeats) numbers.push_back(repeat);
+  std::vector<CycleAnalysis> analyses(numbers.size());
+  OnAllProcessors(numbers.size(),
+                  [&](std::size_t i) { analyses[i] = AnalyzeCycle(repeats.at(numbers[i]), corrected); });
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
     for (const std::string& check : analyses[i].failed_checks) {
-      stored.failed_checks.push_back(fmt::format("repeat {}: {}", in_order[i].first, check));
+      stored.failed_checks.push_back(fmt::format("repeat {}: {}", numbers[i], check));
     }
     stored.repeats.push_back(std::move(analyses[i].results));
   }

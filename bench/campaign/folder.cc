@@ -18,6 +18,7 @@
 
 #include "bench/configuration/commissioning_file.h"
 #include "bench/errors/bench_error.h"
+#include "daq/file_descriptor.h"
 #include "daq/synced_folder.h"
 
 namespace strainwave::bench {
@@ -79,12 +80,8 @@ void CampaignLock::Open() {
 
 CampaignLock::~CampaignLock() {
   std::error_code gone;
-  struct stat held {};
-  struct stat named {};
   // By its path the folder may be somebody else's by now.
-  const bool in_place = ::fstat(descriptor_, &held) == 0 && ::stat(folder_.Lock().c_str(), &named) == 0 &&
-                        held.st_dev == named.st_dev && held.st_ino == named.st_ino;
-  if (in_place && !std::filesystem::exists(folder_.Journal(), gone)) {
+  if (daq::LeadsTo(folder_.Lock(), descriptor_) && !std::filesystem::exists(folder_.Journal(), gone)) {
     std::filesystem::remove(folder_.Lock(), gone);
     if (made_folder_) std::filesystem::remove(folder_.root, gone);  // while it is empty
   }

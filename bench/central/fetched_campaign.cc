@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 
 #include <cerrno>
 #include <map>
@@ -74,10 +73,7 @@ class PartialFolder {
     if (!lock_.is_open()) return false;
     if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
     // By its name it may have got its place meanwhile, or be a later one.
-    struct stat held {};
-    struct stat named {};
-    return ::fstat(lock_.get(), &held) == 0 && ::stat(folder_.c_str(), &named) == 0 &&
-           held.st_dev == named.st_dev && held.st_ino == named.st_ino;
+    return daq::LeadsTo(folder_, lock_.get());
   }
 
   fs::path place_;

@@ -29,8 +29,7 @@ void DemandFetchPlace(const std::filesystem::path& into, const std::vector<Found
 /// @param into  where the campaign's folder is to lie, under `FoundCampaign::Name`.
 /// @throws BenchError (exit code 2) where there is such a folder already, another program is at work on it,
 /// or
-///   the server has no inputs for it;
-///   ServerError, DatabaseError, std::system_error.
+///   the server has no inputs for it; ServerError, DatabaseError, std::system_error.
 FetchedCampaign FetchCampaign(Server& server, const FoundCampaign& campaign,
                               const std::filesystem::path& into, const RecordStore* store);
 

@@ -41,8 +41,7 @@ int Preview(const ConvertOptions& options) {
 int Convert(const ConvertOptions& options) {
   if (options.preview) return Preview(options);
   if (options.out.empty()) Refuse("convert", "--out is not given", "a file to write, or --preview");
-  if (const std::filesystem::path folder = std::filesystem::path(options.out).parent_path(); !folder.empty())
-    DemandOutputFolder(folder);
+  DemandFolderOf(options.out);
   std::vector<daq::Record> records = RecordReader(options.map).Read(options.in);
   std::erase_if(records, [&](const daq::Record& record) {
     return record.source.group.find(options.group) == std::string::npos;

@@ -85,8 +85,7 @@ int Simulate(const SimulateOptions& options) {
   if (options.model.empty())
     Refuse("simulate", "neither MODEL nor --study is given",
            "a model, such as motion, or the name of a data set");
-  if (const std::filesystem::path folder = std::filesystem::path(options.out).parent_path(); !folder.empty())
-    DemandOutputFolder(folder);
+  DemandFolderOf(options.out);
   const RunnableModel model = ReadRunnableModel(options.model, options.corrections);
   const bool alike = !options.like.empty();
   const daq::Record like = alike ? ReadLike(options, model.kind) : ExcitationFor(model);

@@ -37,6 +37,10 @@ void DemandOutputFolder(const fs::path& folder) {
   }
 }
 
+void DemandFolderOf(const fs::path& file) {
+  if (file.has_parent_path()) DemandOutputFolder(file.parent_path());
+}
+
 void DemandOutputFile(const fs::path& file) {
   constexpr const char* kExpected = "the name of a file to write";
   if (file.empty() || !file.has_filename()) Refuse(file.empty() ? "''" : file, "is no file", kExpected);

@@ -2,7 +2,8 @@
 #include "bench/serving/request_text.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "bench/text.h"
 
 namespace strainwave::bench {
 namespace {
@@ -13,7 +14,7 @@ bool IsRange(std::string_view line) {
   std::string name(line.substr(0, line.find(':')));
   name.erase(0, std::min(name.find_first_not_of(kSpaces), name.size()));
   name.erase(name.find_last_not_of(kSpaces) + 1);
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  name = LowerCase(name);
   return name == "range" || name == "if-range";
 }
 
